@@ -1,0 +1,1 @@
+"""Turns CAN frames into odometer, gyro, torque, barometer and gps_fix messages."""

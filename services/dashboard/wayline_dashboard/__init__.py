@@ -1,0 +1,1 @@
+"""Shows vehicles live."""

@@ -1,0 +1,1 @@
+"""Projects poses on routes and predicts arrivals."""

@@ -1,0 +1,1 @@
+"""Filters fixes and vehicle sensors into a pose that survives tunnels."""

@@ -1,0 +1,1 @@
+"""Turns what positioning receivers say into one gps_fix an epoch."""

@@ -1,0 +1,1 @@
+"""Builds a road-grade database from runs and looks ahead."""

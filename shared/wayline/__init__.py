@@ -1,0 +1,3 @@
+"""What every Wayline service imports, and nothing of a service."""
+
+__version__ = "0.1.0"

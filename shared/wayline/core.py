@@ -1,0 +1,33 @@
+"""Pure: the shapes that every service's core and store have, so that one loop can run them all.
+
+A core gets inputs (bus messages, raw input, ticks) and returns outputs: messages for the bus and
+records for its own store. It does no I/O and reads no clock. What a store answers (a road's
+profile after a merge, say) goes back into the same core as an input.
+"""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import msgspec
+
+from wayline.messages import Message
+
+
+class Record(msgspec.Struct, frozen=True, kw_only=True):
+    """Something a core wants kept; its store knows how."""
+
+
+class Core(Protocol):
+    """One vehicle's estimator or translator."""
+
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+        """Take one input from a source and return what follows from it, in order."""
+        ...
+
+
+class Store(Protocol):
+    """Keeps a core's records; answers with what the core should know from now on."""
+
+    def save(self, record: Record) -> Sequence[msgspec.Struct]:
+        """Keep a record durably before returning."""
+        ...

@@ -1,0 +1,183 @@
+"""The drive file: which recordings make a drive, how its signals are mapped, what vehicle it was.
+
+Reads `drive.toml` only; the recordings themselves are read in `sources.py`.
+"""
+
+import datetime as dt
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from wayline.errors import InputError
+from wayline.toml import Strict, load_toml
+from wayline.tuning import Tuning
+
+Positive = Annotated[float, Meta(gt=0.0)]
+VEHICLE_ID_PATTERN = r"^[a-z0-9][a-z0-9_-]{0,63}$"
+VehicleId = Annotated[str, Meta(pattern=VEHICLE_ID_PATTERN)]
+
+
+class DriveInfo(Strict, frozen=True, kw_only=True):
+    """`[drive]`"""
+
+    vehicle_id: VehicleId
+    description: str = ""
+
+
+class NmeaSource(Strict, frozen=True, kw_only=True):
+    """`[[nmea]]`: NMEA 0183 text, plain or one "<epoch seconds> <sentence>" a line."""
+
+    path: str
+    date: dt.date | None = None
+    """UTC day of the first sentence, for a log whose sentences carry no date."""
+
+
+class Condition(Strict, frozen=True, kw_only=True):
+    """A signal's value that must hold for a mapped quantity to be valid."""
+
+    signal: str
+    message: str | None = None
+    """Default: the message of the mapping."""
+    equals: float | None = None
+    min: float | None = None
+    max: float | None = None
+
+
+class SignalMapping(Strict, frozen=True, kw_only=True):
+    """Where a quantity is on the bus; scale and offset apply after the DBC's own."""
+
+    message: str
+    signal: str | tuple[str, ...]
+    """Several signals: their mean."""
+    scale: float = 1.0
+    offset: float = 0.0
+    valid: Condition | tuple[Condition, ...] = ()
+    values: dict[str, str] = {}
+    """Raw value to word, for quantities that are words."""
+    equals: float | None = None
+    """For a boolean: true when the raw value is this; default true when nonzero."""
+    latency_s: float = 0.0
+    """The quantity is this much older than its frame."""
+
+
+class Clock(Strict, frozen=True, kw_only=True):
+    """A signal that holds UTC in Unix seconds; moves the whole source to it."""
+
+    message: str
+    signal: str
+
+
+class CanSource(Strict, frozen=True, kw_only=True):
+    """`[[can]]`: anything that python-can's LogReader opens, and the mapping of its signals."""
+
+    path: str | tuple[str, ...]
+    dbc: tuple[str, ...] = ()
+    signals: dict[str, SignalMapping] = {}
+    channel: str | int | None = None
+    j1939: bool = False
+    clock_offset_s: float = 0.0
+    clock: Clock | None = None
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """The recordings in order."""
+        return (self.path,) if isinstance(self.path, str) else self.path
+
+
+class AvlColumns(Strict, frozen=True, kw_only=True):
+    """Names of the columns of a CSV of position reports."""
+
+    time: str
+    lat_deg: str
+    lon_deg: str
+    heading_deg: str | None = None
+    speed_mps: str | None = None
+
+
+class AvlSource(Strict, frozen=True, kw_only=True):
+    """`[[avl]]`: position reports of a transit system as CSV."""
+
+    path: str
+    columns: AvlColumns
+    timezone: str = "UTC"
+
+
+class Vehicle(Strict, frozen=True, kw_only=True):
+    """`[vehicle]`: what the torque slope and the filters need; the defaults are a car's."""
+
+    mass_kg: Positive = 1500.0
+    wheel_radius_m: Positive = 0.31
+    frontal_area_m2: Positive = 2.2
+    drag_coefficient: Positive = 0.30
+    rolling_coefficient: Positive = 0.010
+    driveline_efficiency: Annotated[float, Meta(gt=0.0, le=1.0)] = 0.92
+    """Divides on the overrun."""
+    final_drive_ratio: Positive = 4.1
+    gear_ratios: tuple[Positive, ...] = ()
+    engine_reference_torque_nm: Positive | None = None
+    """What 100 % means where the bus reports torque in percent."""
+    gps_latency_s: float = 0.0
+    """A fix describes the vehicle this long before its own timestamp."""
+
+
+class PathRef(Strict, frozen=True, kw_only=True):
+    """`[route]` and `[truth]`: a file beside the drive."""
+
+    path: str
+
+
+class Drive(Strict, frozen=True, kw_only=True):
+    """A whole `drive.toml`."""
+
+    drive: DriveInfo
+    nmea: tuple[NmeaSource, ...] = ()
+    can: tuple[CanSource, ...] = ()
+    avl: tuple[AvlSource, ...] = ()
+    vehicle: Vehicle = msgspec.field(default_factory=Vehicle)
+    tuning: Tuning = msgspec.field(default_factory=Tuning)
+    route: PathRef | None = None
+    truth: PathRef | None = None
+
+
+def load_drive(folder: Path) -> Drive:
+    """Read the drive in a folder (or its `drive.toml`), every path made absolute and there.
+
+    Raises InputError for a missing file, an unknown key or a drive without input.
+    """
+    path = folder if folder.suffix == ".toml" else folder / "drive.toml"
+    if not path.exists():
+        raise InputError(str(folder), "no drive.toml there", "name a drive's folder")
+    drive = load_toml(path, Drive)
+    if not (drive.nmea or drive.can or drive.avl):
+        raise InputError(str(path), "no input", "add a [[nmea]], [[can]] or [[avl]] table")
+    for position, can in enumerate(drive.can, start=1):
+        if not can.paths:
+            raise InputError(f"{path} [[can]] {position}", "path is empty", "name a recording")
+
+    def found(name: str) -> str:
+        resolved = path.parent / name
+        if not resolved.is_file():
+            raise InputError(str(path), f"file {name} is missing", "correct the path or add it")
+        return str(resolved)
+
+    def located(ref: PathRef | None) -> PathRef | None:
+        return PathRef(path=found(ref.path)) if ref else None
+
+    replace = msgspec.structs.replace
+    return replace(
+        drive,
+        nmea=tuple(replace(nmea, path=found(nmea.path)) for nmea in drive.nmea),
+        can=tuple(
+            replace(
+                can,
+                path=tuple(found(name) for name in can.paths),
+                dbc=tuple(found(name) for name in can.dbc),
+            )
+            for can in drive.can
+        ),
+        avl=tuple(replace(avl, path=found(avl.path)) for avl in drive.avl),
+        route=located(drive.route),
+        truth=located(drive.truth),
+    )

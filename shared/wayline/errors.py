@@ -1,0 +1,13 @@
+"""Pure: the one error that a user can mend."""
+
+
+class InputError(Exception):
+    """Bad input: says where, what is wrong and how to mend it, in one line.
+
+    Commands print it and exit with status 2. It is never raised for bad data inside a stream,
+    which is counted and dropped instead.
+    """
+
+    def __init__(self, where: str, what: str, mend: str) -> None:
+        self.where, self.what, self.mend = where, what, mend
+        super().__init__(" ".join(f"{where}: {what}; {mend}".split()))

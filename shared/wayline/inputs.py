@@ -1,0 +1,45 @@
+"""Pure: what reaches a core but never travels on the bus."""
+
+import msgspec
+
+
+class Tick(msgspec.Struct, frozen=True):
+    """Measurement time has reached an instant of the grid (SPEC section 2)."""
+
+    t_ns: int
+
+
+class Flush(msgspec.Struct, frozen=True):
+    """Input has ended: finish what is open (an epoch, a run)."""
+
+    t_ns: int
+
+
+class Sentence(msgspec.Struct, frozen=True):
+    """A line from an NMEA 0183 receiver, as it came, line end removed.
+
+    `arrival_ns` is when it was received; None in a log without times.
+    """
+
+    arrival_ns: int | None
+    text: str
+
+
+class Frame(msgspec.Struct, frozen=True, gc=False):
+    """A raw CAN frame. `t_ns` is the logger's or interface's time, on its own clock."""
+
+    t_ns: int
+    channel: str
+    arbitration_id: int
+    extended: bool
+    data: bytes
+
+
+class PositionReport(msgspec.Struct, frozen=True):
+    """A row of a transit system's position reports (AVL), parsed, not yet checked for ranges."""
+
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
+    heading_deg: float | None = None
+    speed_mps: float | None = None

@@ -1,0 +1,306 @@
+"""Pure: every message of the bus, one frozen Struct a topic. The only place that lists topics.
+
+Units are in the names (SPEC sections 1 and 2). `None` is unknown. `t_ns` is Unix time in
+nanoseconds of the measured or described instant.
+"""
+
+from typing import Annotated, ClassVar, Literal, get_type_hints
+
+import msgspec
+from msgspec import Meta
+
+LatDeg = Annotated[float, Meta(ge=-90.0, le=90.0)]
+LonDeg = Annotated[float, Meta(ge=-180.0, le=180.0)]
+BearingDeg = Annotated[float, Meta(ge=0.0, lt=360.0)]
+NonNegative = Annotated[float, Meta(ge=0.0)]
+Positive = Annotated[float, Meta(gt=0.0)]
+Count = Annotated[int, Meta(ge=0)]
+TimeNs = Annotated[int, Meta(ge=0)]
+
+FixKind = Literal[
+    "none", "gps", "dgps", "rtk_float", "rtk_fixed", "dead_reckoning", "manual", "simulator"
+]
+PoseMode = Literal["starting", "gps", "fused", "dead_reckoning", "lost"]
+Calibration = Literal["none", "started", "calibrated"]
+
+
+class Message(msgspec.Struct, frozen=True, kw_only=True):
+    """What every topic has: the instant, and (on the class) the topic's name and nominal rate."""
+
+    topic: ClassVar[str]
+    rate_hz: ClassVar[float]
+
+    t_ns: TimeNs
+
+
+class GpsFix(Message, frozen=True, kw_only=True):
+    """One epoch of a positioning receiver; `valid` only with a valid latitude and longitude."""
+
+    topic: ClassVar[str] = "gps_fix"
+    rate_hz: ClassVar[float] = 1.0
+
+    valid: bool
+    lat_deg: LatDeg | None = None
+    lon_deg: LonDeg | None = None
+    alt_m: float | None = None
+    geoid_sep_m: float | None = None
+    speed_mps: NonNegative | None = None
+    course_deg: BearingDeg | None = None
+    mode: Literal[1, 2, 3] = 1
+    fix: FixKind = "none"
+    satellites: Count | None = None
+    hdop: NonNegative | None = None
+    pdop: NonNegative | None = None
+    vdop: NonNegative | None = None
+    h_std_m: Positive | None = None
+    v_std_m: Positive | None = None
+    speed_std_mps: Positive | None = None
+    course_std_deg: Positive | None = None
+    repeat: bool = False
+    """The receiver sent its last fix again instead of a fresh one; then `valid` is false."""
+
+
+class Satellite(msgspec.Struct, frozen=True, kw_only=True):
+    """One satellite in view."""
+
+    system: str
+    prn: int
+    elevation_deg: float | None = None
+    azimuth_deg: float | None = None
+    snr_dbhz: float | None = None
+    used: bool = False
+
+
+class GpsSky(Message, frozen=True, kw_only=True):
+    """The satellites in view."""
+
+    topic: ClassVar[str] = "gps_sky"
+    rate_hz: ClassVar[float] = 1.0
+
+    satellites: tuple[Satellite, ...] = ()
+
+
+class Odometer(Message, frozen=True, kw_only=True):
+    """Wheel speed or distance as the vehicle measures it, before any scale is applied."""
+
+    topic: ClassVar[str] = "odometer"
+    rate_hz: ClassVar[float] = 10.0
+
+    speed_mps: NonNegative | None = None
+    distance_m: float | None = None
+    """Cumulative, wraps removed."""
+    reverse: bool | None = None
+
+
+class Gyro(Message, frozen=True, kw_only=True):
+    """Yaw rate, positive clockwise (turning right), before bias and scale are applied."""
+
+    topic: ClassVar[str] = "gyro"
+    rate_hz: ClassVar[float] = 100.0
+
+    yaw_rate_degps: float | None = None
+    temperature_c: float | None = None
+
+
+class Torque(Message, frozen=True, kw_only=True):
+    """Engine and driveline; torque is net at the crankshaft, negative on the overrun."""
+
+    topic: ClassVar[str] = "torque"
+    rate_hz: ClassVar[float] = 10.0
+
+    engine_torque_nm: float | None = None
+    engine_speed_rpm: NonNegative | None = None
+    gear_ratio: float | None = None
+    gear: int | None = None
+    """0 neutral, -1 reverse."""
+    brake: bool | None = None
+    clutch: bool | None = None
+    """True: the driveline is open."""
+    slope_pct: float | None = None
+    """Where the vehicle itself reports one."""
+
+
+class Barometer(Message, frozen=True, kw_only=True):
+    """Air pressure at the vehicle."""
+
+    topic: ClassVar[str] = "barometer"
+    rate_hz: ClassVar[float] = 1.0
+
+    pressure_pa: Positive | None = None
+    temperature_c: float | None = None
+
+
+class Pose(Message, frozen=True, kw_only=True):
+    """Fusion's estimate; every std is one sigma of the total error."""
+
+    topic: ClassVar[str] = "pose"
+    rate_hz: ClassVar[float] = 10.0
+
+    mode: PoseMode
+    lat_deg: LatDeg | None = None
+    lon_deg: LonDeg | None = None
+    alt_m: float | None = None
+    heading_deg: BearingDeg | None = None
+    speed_mps: float | None = None
+    """Negative in reverse."""
+    yaw_rate_degps: float | None = None
+    grade_pct: float | None = None
+    distance_m: NonNegative = 0.0
+    """Travelled since start, only grows."""
+    east_std_m: NonNegative | None = None
+    north_std_m: NonNegative | None = None
+    east_north_cov_m2: float | None = None
+    heading_std_deg: NonNegative | None = None
+    speed_std_mps: NonNegative | None = None
+    alt_std_m: NonNegative | None = None
+    grade_std_pct: NonNegative | None = None
+
+
+class Verdict(msgspec.Struct, frozen=True, kw_only=True):
+    """A gate's decision on one measurement: normalised innovation squared against its threshold."""
+
+    sensor: str
+    t_ns: TimeNs
+    accepted: bool
+    nis: NonNegative
+    threshold: NonNegative
+    reason: str | None = None
+
+
+class FusionStatus(Message, frozen=True, kw_only=True):
+    """What fusion has learned of the sensors and what it did with their measurements.
+
+    True rate = gyro_scale x (measured - gyro_bias_degps), true speed = odometer_scale x measured.
+    """
+
+    topic: ClassVar[str] = "fusion_status"
+    rate_hz: ClassVar[float] = 1.0
+
+    gyro_bias_degps: float | None = None
+    gyro_bias_std_degps: NonNegative | None = None
+    gyro_scale: float | None = None
+    gyro_scale_std: NonNegative | None = None
+    odometer_scale: float | None = None
+    odometer_scale_std: NonNegative | None = None
+    baro_bias_m: float | None = None
+    baro_bias_std_m: NonNegative | None = None
+    torque_bias_pct: float | None = None
+    torque_bias_std_pct: NonNegative | None = None
+    mass_kg: Positive | None = None
+    mass_std_kg: NonNegative | None = None
+    gps_latency_s: float | None = None
+    gps_latency_std_s: NonNegative | None = None
+    calibration: Calibration = "none"
+    outage_s: NonNegative = 0.0
+    late: Count = 0
+    rejected: Count = 0
+    verdicts: tuple[Verdict, ...] = ()
+
+
+class Progress(Message, frozen=True, kw_only=True):
+    """Where the vehicle is along its route; latitude and longitude lie on the route."""
+
+    topic: ClassVar[str] = "progress"
+    rate_hz: ClassVar[float] = 1.0
+
+    route_id: str
+    trip_id: str | None = None
+    distance_m: NonNegative
+    lap: Count = 0
+    lat_deg: LatDeg
+    lon_deg: LonDeg
+    cross_track_m: float
+    distance_std_m: NonNegative
+    on_route: bool
+    speed_mps: float
+
+
+class StopArrival(msgspec.Struct, frozen=True, kw_only=True):
+    """The next arrival at one stop: median and the 10 and 90 % quantiles."""
+
+    stop_id: str
+    name: str
+    distance_m: NonNegative
+    arrival_ns: TimeNs
+    early_ns: TimeNs
+    late_ns: TimeNs
+
+
+class Arrivals(Message, frozen=True, kw_only=True):
+    """The next arrival at every stop of the route; empty while nothing can be predicted."""
+
+    topic: ClassVar[str] = "arrivals"
+    rate_hz: ClassVar[float] = 1.0
+
+    route_id: str
+    stale: bool
+    stops: tuple[StopArrival, ...] = ()
+
+
+class HorizonPoint(msgspec.Struct, frozen=True, kw_only=True):
+    """Slope at a distance ahead, from earlier runs; unknown is null, never 0."""
+
+    distance_m: NonNegative
+    grade_pct: float | None = None
+    grade_std_pct: NonNegative | None = None
+    alt_m: float | None = None
+    runs: Count = 0
+    updated_ns: TimeNs | None = None
+
+
+class Horizon(Message, frozen=True, kw_only=True):
+    """The road ahead of the vehicle, as earlier runs knew it."""
+
+    topic: ClassVar[str] = "horizon"
+    rate_hz: ClassVar[float] = 1.0
+
+    road_id: str | None = None
+    position_m: float | None = None
+    points: tuple[HorizonPoint, ...] = ()
+
+
+class Health(Message, frozen=True, kw_only=True):
+    """How a service does. Lag is arrival minus t_ns."""
+
+    topic: ClassVar[str] = "health"
+    rate_hz: ClassVar[float] = 1.0
+
+    service: str
+    version: str
+    started_ns: TimeNs
+    in_rate_hz: NonNegative = 0.0
+    out_rate_hz: NonNegative = 0.0
+    backlog: Count = 0
+    dropped: Count = 0
+    bad_input: Count = 0
+    lag_ms_p50: float | None = None
+    lag_ms_p99: float | None = None
+    detail: str | None = None
+
+
+MESSAGES: tuple[type[Message], ...] = (
+    GpsFix,
+    GpsSky,
+    Odometer,
+    Gyro,
+    Torque,
+    Barometer,
+    Pose,
+    FusionStatus,
+    Progress,
+    Arrivals,
+    Horizon,
+    Health,
+)
+TOPICS: dict[str, type[Message]] = {message.topic: message for message in MESSAGES}
+
+
+def stale_after_s(message: type[Message]) -> float:
+    """Seconds without a message after which a reader calls the topic stale."""
+    return max(3.0 / message.rate_hz, 2.0)
+
+
+def field_types(struct: type[msgspec.Struct]) -> dict[str, object]:
+    """Type of every field, annotations resolved, in declaration order."""
+    hints = get_type_hints(struct, include_extras=True)
+    return {name: hints[name] for name in struct.__struct_fields__}
