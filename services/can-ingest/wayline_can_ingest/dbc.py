@@ -1,0 +1,28 @@
+"""Loads CAN databases with cantools; what does not load is one clear error."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import cantools
+from cantools.database.can import Database
+from wayline.errors import InputError
+
+
+def load_databases(paths: Sequence[Path]) -> list[Database]:
+    """Every database of a source, in order; overlapping signals are tolerated."""
+    return [load_database(path) for path in paths]
+
+
+def load_database(path: Path) -> Database:
+    """One database (DBC, KCD, SYM, ARXML ...), or InputError with the file and the place."""
+    mend = "correct the file or name another"
+    try:
+        database = cantools.database.load_file(path, strict=False)
+    except FileNotFoundError:
+        raise InputError(str(path), "no such file", "check the path") from None
+    except (cantools.Error, ValueError, OSError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(str(path), f"is no CAN database ({reason})", mend) from None
+    if not isinstance(database, Database):
+        raise InputError(str(path), "is a diagnostics database", "name a CAN database")
+    return database
