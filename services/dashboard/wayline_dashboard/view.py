@@ -1,0 +1,155 @@
+"""Pure: what the page is told of a vehicle. The TypeScript side mirrors this in web/src/view.ts.
+
+Times are RFC 3339 UTC (SPEC section 5). Every section is null until its first message.
+"""
+
+from typing import Literal
+
+import msgspec
+from wayline.messages import Calibration, FixKind, PoseMode
+
+from wayline_dashboard.ellipse import Ellipse
+from wayline_dashboard.trail import TrailPoint
+
+
+class PoseView(msgspec.Struct, frozen=True, kw_only=True):
+    """Where the vehicle is and how well that is known; units as in the topic `pose`."""
+
+    t: str
+    mode: PoseMode
+    lat_deg: float | None
+    lon_deg: float | None
+    alt_m: float | None
+    alt_std_m: float | None
+    heading_deg: float | None
+    heading_std_deg: float | None
+    speed_mps: float | None
+    speed_std_mps: float | None
+    grade_pct: float | None
+    grade_std_pct: float | None
+    distance_m: float
+    ellipse: Ellipse | None
+
+
+class FixView(msgspec.Struct, frozen=True, kw_only=True):
+    """The receiver's own last word, beside the pose and never mixed with it."""
+
+    t: str
+    source: str
+    valid: bool
+    fix: FixKind
+    lat_deg: float | None
+    lon_deg: float | None
+    satellites: int | None
+    hdop: float | None
+    h_std_m: float | None
+
+
+class StatusView(msgspec.Struct, frozen=True, kw_only=True):
+    """How fusion gets on with its sensors."""
+
+    t: str
+    calibration: Calibration
+    outage_s: float
+    late: int
+    rejected: int
+    last_rejection: str | None
+    """Sensor and reason of the newest refused measurement."""
+
+
+class ProgressView(msgspec.Struct, frozen=True, kw_only=True):
+    """Where the vehicle is along its route."""
+
+    t: str
+    route_id: str
+    trip_id: str | None
+    distance_m: float
+    distance_std_m: float
+    lap: int
+    cross_track_m: float
+    on_route: bool
+
+
+class StopView(msgspec.Struct, frozen=True, kw_only=True):
+    """The next arrival at a stop: median, 10 and 90 % quantiles."""
+
+    stop_id: str
+    name: str
+    distance_m: float
+    arrival: str
+    early: str
+    late: str
+
+
+class ArrivalsView(msgspec.Struct, frozen=True, kw_only=True):
+    """The next arrivals; `t` is the vehicle's time that "in 3 min" counts from."""
+
+    t: str
+    route_id: str
+    stale: bool
+    stops: tuple[StopView, ...]
+
+
+class SlopePoint(msgspec.Struct, frozen=True, kw_only=True):
+    """Slope at a distance ahead."""
+
+    distance_m: float
+    grade_pct: float | None
+    grade_std_pct: float | None
+    alt_m: float | None
+    runs: int
+
+
+class HorizonView(msgspec.Struct, frozen=True, kw_only=True):
+    """The road ahead, as earlier runs knew it."""
+
+    t: str
+    road_id: str | None
+    points: tuple[SlopePoint, ...]
+
+
+class ServiceView(msgspec.Struct, frozen=True, kw_only=True):
+    """One service: up or down by its liveliness token, the rest by its last health."""
+
+    service: str
+    up: bool
+    t: str | None = None
+    version: str | None = None
+    in_rate_hz: float | None = None
+    out_rate_hz: float | None = None
+    backlog: int = 0
+    dropped: int = 0
+    bad_input: int = 0
+    lag_ms_p50: float | None = None
+    lag_ms_p99: float | None = None
+    detail: str | None = None
+
+
+class VehicleView(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """A vehicle, or in a change only those sections of it that changed.
+
+    Sections left out are unchanged. `trail` is what follows the trail already told;
+    with `trail_restart` it replaces it.
+    """
+
+    vehicle_id: str
+    pose: PoseView | None = None
+    fix: FixView | None = None
+    status: StatusView | None = None
+    progress: ProgressView | None = None
+    arrivals: ArrivalsView | None = None
+    horizon: HorizonView | None = None
+    services: tuple[ServiceView, ...] | None = None
+    trail: tuple[TrailPoint, ...] = ()
+    trail_restart: bool = False
+
+
+class FleetView(msgspec.Struct, frozen=True, kw_only=True):
+    """What `/v1/view` answers and `/v1/live` sends: first a snapshot, then changes."""
+
+    kind: Literal["snapshot", "changes"]
+    now: str
+    """The server's clock, so that a page on a wrong clock still shows right ages."""
+    vehicles: tuple[VehicleView, ...]
+    services: tuple[ServiceView, ...] | None
+    """Those that serve the whole fleet; null in a change where none changed."""
