@@ -1,0 +1,125 @@
+"""The dashboard's HTTP: the page, the view it shows, the routes under it."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from urllib.parse import quote
+
+import msgspec
+from fastapi import FastAPI, WebSocket
+from prometheus_client import CollectorRegistry, Gauge
+from prometheus_client.core import CounterMetricFamily, Metric
+from prometheus_client.registry import Collector
+from starlette.exceptions import HTTPException
+from wayline import __version__
+from wayline.geojson import FeatureCollection
+from wayline.http import Healthz, JsonAnswer, answers, create_app
+from wayline.http_settings import HttpSettings
+from wayline.route import Route, route_features
+
+from wayline_dashboard.live_view import LiveView
+from wayline_dashboard.page import STATIC, add_page, is_page
+from wayline_dashboard.stream import stream
+from wayline_dashboard.view import FleetView
+
+
+class RouteLink(msgspec.Struct, frozen=True):
+    """A route and where its GeoJSON is."""
+
+    route_id: str
+    name: str
+    href: str
+
+
+class RouteList(msgspec.Struct, frozen=True):
+    """Every route that the map can show."""
+
+    routes: tuple[RouteLink, ...]
+
+
+class RouteGeoJson(msgspec.Struct, frozen=True):
+    """A route as GeoJSON: its line, then its stops (SPEC section 3)."""
+
+    type: str
+    features: tuple[dict[str, object], ...]
+
+
+def create_dashboard(
+    live: LiveView,
+    settings: HttpSettings,
+    *,
+    routes: Iterable[Route] = (),
+    healthz: Callable[[], Healthz] | None = None,
+    registry: CollectorRegistry | None = None,
+    static: Path = STATIC,
+) -> FastAPI:
+    """The app that shows what is put into `live`.
+
+    Raises InputError for settings that would be too open.
+    """
+    registry = registry or CollectorRegistry()
+    app = create_app(
+        title="Wayline dashboard",
+        version=__version__,
+        healthz=healthz or _works,
+        settings=settings,
+        registry=registry,
+        structs=(FleetView, RouteList, RouteGeoJson),
+        is_open=is_page,
+    )
+    _add_view(app, live, registry)
+    _add_routes(app, {route.route_id: route for route in routes})
+    add_page(app, static)
+    return app
+
+
+def _works() -> Healthz:
+    return Healthz(ok=True, service="dashboard", version=__version__)
+
+
+def _add_view(app: FastAPI, live: LiveView, registry: CollectorRegistry) -> None:
+    pages = Gauge("wayline_dashboard_pages", "Pages connected now", registry=registry)
+    registry.register(InputCount(live))
+
+    @app.get("/v1/view", responses=answers(FleetView), tags=["view"])
+    def view() -> JsonAnswer:
+        """Everything known of every vehicle and service now."""
+        return JsonAnswer(live.snapshot())
+
+    @app.websocket("/v1/live")
+    async def live_view(websocket: WebSocket) -> None:
+        with pages.track_inprogress():
+            await stream(websocket, live)
+
+
+def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:
+    links = RouteList(
+        tuple(
+            RouteLink(route.route_id, route.name, f"/v1/routes/{quote(route.route_id, safe='')}")
+            for route in routes.values()
+        )
+    )
+
+    @app.get("/v1/routes", responses=answers(RouteList), tags=["routes"])
+    def route_list() -> JsonAnswer:
+        """The routes that the map can show."""
+        return JsonAnswer(links)
+
+    @app.get("/v1/routes/{route_id:path}", responses=answers(RouteGeoJson), tags=["routes"])
+    def route(route_id: str) -> JsonAnswer:
+        """A route's line and stops as GeoJSON."""
+        if route_id not in routes:
+            raise HTTPException(404, f"no route {route_id}; /v1/routes lists them")
+        collection = FeatureCollection(route_features(routes[route_id]))
+        return JsonAnswer(collection, media_type="application/geo+json")
+
+
+class InputCount(Collector):
+    """What the view has taken in, counted by the view itself."""
+
+    def __init__(self, live: LiveView) -> None:
+        self._live = live
+
+    def collect(self) -> Iterable[Metric]:
+        """The counter's value now."""
+        text = "Messages and service events taken from the bus"
+        yield CounterMetricFamily("wayline_dashboard_inputs", text, value=self._live.inputs)

@@ -1,0 +1,173 @@
+"""What every service's HTTP shares: health, metrics, documentation, errors, access (SPEC 5)."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import msgspec
+from fastapi import FastAPI, Request, Response
+from prometheus_client import CollectorRegistry
+from prometheus_client.exposition import choose_encoder
+from starlette.datastructures import MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from wayline.http_docs import add_docs
+from wayline.http_guard import LocalGuard, TokenGuard
+from wayline.http_problems import MEDIA_TYPE, Problem, answer_with_problems
+from wayline.http_settings import HttpSettings, check_exposure
+from wayline.messages import Health
+
+SCHEMA_REF = "#/components/schemas/{name}"
+CONTENT_POLICY = "; ".join(
+    (
+        "default-src 'none'",
+        "script-src 'self'",
+        "style-src 'self'",
+        "img-src 'self' data:",
+        "font-src 'self'",
+        "connect-src 'self'",
+        "worker-src 'self'",
+        "manifest-src 'self'",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'none'",
+    )
+)
+SAFE_HEADERS = {
+    "content-security-policy": CONTENT_POLICY,
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+}
+
+
+class Healthz(msgspec.Struct, frozen=True, kw_only=True):
+    """What /healthz answers, with status 200 or, when not ok, 503."""
+
+    ok: bool
+    service: str
+    version: str
+    detail: str | None = None
+    """What is wrong, for people."""
+    health: Health | None = None
+    """The service's last `health` message, where it has sent one."""
+
+
+class JsonAnswer(Response):
+    """Any msgspec Struct (or what msgspec encodes) as JSON."""
+
+    media_type = "application/json"
+
+    def render(self, content: Any) -> bytes:
+        """Encode the body."""
+        return msgspec.json.encode(content)
+
+
+def answers(struct: type[msgspec.Struct], description: str = "") -> dict[int | str, dict[str, Any]]:
+    """The `responses` of a path that answers with a Struct of `create_app(structs=...)`."""
+    schema = {"$ref": SCHEMA_REF.format(name=struct.__name__)}
+    content = {"application/json": {"schema": schema}}
+    return {200: {"description": description or "Success", "content": content}}
+
+
+def create_app(
+    *,
+    title: str,
+    version: str,
+    healthz: Callable[[], Healthz],
+    settings: HttpSettings,
+    registry: CollectorRegistry | None = None,
+    structs: Sequence[type[msgspec.Struct]] = (),
+    is_open: Callable[[str], bool] = lambda _: False,
+) -> FastAPI:
+    """An app with /healthz, /metrics, /docs, problem details and access rules; add paths to it.
+
+    `registry` is what /metrics shows; `structs` are the answers' types for OpenAPI. With tokens,
+    everything needs one but /healthz, the documentation and what `is_open` says of a path.
+    Raises InputError for settings that would be too open.
+    """
+    check_exposure(settings)
+    app = StructsApp(
+        structs=(*structs, Healthz, Problem),
+        title=title,
+        version=version,
+        docs_url=None,
+        redoc_url=None,
+        responses=PROBLEM_RESPONSES,
+    )
+    answer_with_problems(app)
+    add_docs(app)
+    _add_health(app, healthz)
+    _add_metrics(app, registry or CollectorRegistry())
+    _guard(app, settings, is_open)
+    app.add_middleware(SafeHeaders)
+    return app
+
+
+PROBLEM_RESPONSES: dict[int | str, dict[str, Any]] = {
+    "4XX": {
+        "description": "What is wrong with the request (RFC 9457)",
+        "content": {MEDIA_TYPE: {"schema": {"$ref": SCHEMA_REF.format(name="Problem")}}},
+    }
+}
+
+
+class StructsApp(FastAPI):
+    """FastAPI whose OpenAPI document also holds the schemas of msgspec Structs."""
+
+    def __init__(self, *, structs: Sequence[type[msgspec.Struct]], **options: Any) -> None:
+        super().__init__(**options)
+        _, self._components = msgspec.json.schema_components(structs, ref_template=SCHEMA_REF)
+
+    def openapi(self) -> dict[str, Any]:
+        """The OpenAPI document."""
+        document = super().openapi()
+        document.setdefault("components", {}).setdefault("schemas", {}).update(self._components)
+        return document
+
+
+class SafeHeaders:
+    """Adds the headers that keep a browser from running or sending anything foreign."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass everything on, with more headers on the way back."""
+
+        async def send_safe(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update(SAFE_HEADERS)
+            await send(message)
+
+        await self.app(scope, receive, send_safe if scope["type"] == "http" else send)
+
+
+def _add_health(app: FastAPI, healthz: Callable[[], Healthz]) -> None:
+    @app.get("/healthz", responses=answers(Healthz), tags=["service"])
+    def health() -> JsonAnswer:
+        """Whether the service works: 200, or 503 with the reason."""
+        report = healthz()
+        return JsonAnswer(report, 200 if report.ok else 503)
+
+
+def _add_metrics(app: FastAPI, registry: CollectorRegistry) -> None:
+    @app.get("/metrics", tags=["service"])
+    def metrics(request: Request) -> Response:
+        """Counters and gauges for Prometheus."""
+        encode, content_type = choose_encoder(request.headers.get("accept", ""))
+        return Response(encode(registry), headers={"content-type": content_type})
+
+
+def _guard(app: FastAPI, settings: HttpSettings, is_open: Callable[[str], bool]) -> None:
+    if not settings.tokens:
+        app.add_middleware(LocalGuard, behind_proxy=settings.behind_proxy)
+        return
+    app.add_middleware(
+        TokenGuard,
+        tokens=settings.tokens,
+        is_open=lambda path: _is_public(path) or is_open(path),
+    )
+
+
+def _is_public(path: str) -> bool:
+    # orchestrators probe without tokens, and the documentation says nothing of the vehicles
+    return path in {"/healthz", "/docs", "/openapi.json"} or path.startswith("/docs/")
