@@ -7,6 +7,7 @@ from msgspec import Meta
 from wayline.toml import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
+Probability = Annotated[float, Meta(gt=0.0, lt=1.0)]
 
 
 class Tuning(Strict, frozen=True, kw_only=True):
@@ -30,6 +31,126 @@ class Tuning(Strict, frozen=True, kw_only=True):
     gps_altitude_std_floor_m: Positive = 3.0
     """Altitude errors wander; smaller claims would follow them."""
 
+    # fusion, horizontal
+    architecture: Literal["loose"] = "loose"
+    """Position, speed and course of the fixes calibrate the vehicle's sensors (papers/001)."""
+    gate_probability: Probability = 0.9999
+    """Good measurements pass a gate this often."""
+    relock_after_s: Positive = 5.0
+    """Fixes that are rejected this long without a break are believed again."""
+    late_measurement_s: Positive = 1.0
+    """Measurements up to this late are applied at their own time."""
+    gps_error_time_s: Positive = 120.0
+    """Correlation time of a receiver's position error: satellites and air change in minutes."""
+    gps_error_share: Probability = 0.8
+    """Share of a fix's variance that varies slowly; the rest is white."""
+    gps_speed_std_mps: Positive = 0.2
+    """Doppler speed of a receiver that reports no std."""
+    gps_course_std_deg: Positive = 1.0
+    """Floor of the course's std, for antenna and mounting."""
+    gps_time_std_s: Positive = 0.1
+    """Residual latency of fixes: turning or braking, course and speed are off by this much time."""
+    course_speed_min_mps: Positive = 3.0
+    """Course is noise at a crawl."""
+    heading_start_std_deg: Positive = 20.0
+    """The first course that sets the heading may be taken in a turn."""
+    position_noise_m_per_sqrt_s: Positive = 0.1
+    """Side slip and what the model leaves out."""
+    acceleration_noise_mps_per_sqrt_s: Positive = 1.5
+    """Cars change speed by this much in a second."""
+    gyro_noise_deg_per_sqrt_s: Positive = 0.05
+    """Angle random walk of a MEMS gyro with coarse steps."""
+    turn_noise_deg_per_sqrt_s: Positive = 10.0
+    """Without a gyro, headings change by this much in a second."""
+    gyro_bias_initial_std_degps: Positive = 1.0
+    """A MEMS gyro from the box."""
+    gyro_bias_walk_degps_per_sqrt_s: Positive = 0.0015
+    """0.02 deg/s in three minutes."""
+    gyro_scale_initial_std: Positive = 0.02
+    """Data sheets say 1 to 3 %."""
+    gyro_scale_walk_per_sqrt_s: Positive = 1e-5
+    """Temperature moves it by 0.1 % in hours."""
+    odometer_scale_initial_std: Positive = 0.03
+    """Speedometers read up to 5 % high, tyres wear 2 %."""
+    odometer_scale_walk_per_sqrt_s: Positive = 3e-5
+    """Tyres warm up: 0.1 % in 20 minutes."""
+    odometer_std_mps: Positive = 0.1
+    """Wheel speed besides its rounding."""
+    standstill_after_s: Positive = 1.0
+    """Wheels that have not turned this long stand; a coarse speed reads 0 at a crawl."""
+    standstill_std_mps: Positive = 0.02
+    """How still still is."""
+    standstill_gyro_std_degps: Positive = 0.2
+    """A tenth of a second of gyro at rest: noise, coarse steps, people getting in."""
+    calibrated_bias_std_degps: Positive = 0.03
+    """Bias known this well costs 10 m after 1 km at 20 m/s."""
+    calibrated_scale_std: Positive = 0.005
+    """Scale known this well costs 5 m after 1 km."""
+
+    # fusion, vertical
+    vertical_sensors: tuple[Literal["gps", "barometer"], ...] = ("gps", "barometer")
+    """Each can be run alone, as papers/004 does."""
+    slope_initial_std_pct: Positive = 4.0
+    """Roads are rarely steeper than 8 %."""
+    slope_walk_pct_per_sqrt_m: Positive = 0.15
+    """Vertical curves: 2 % in 200 m."""
+    baro_bias_initial_std_m: Positive = 150.0
+    """Weather: 1013 hPa plus or minus 20."""
+    baro_bias_walk_m_per_sqrt_s: Positive = 0.05
+    """Weather and ventilation: 3 m in an hour."""
+    baro_std_m: Positive = 0.5
+    """Besides its resolution."""
+    baro_resolution_std_max_m: Positive = 5.0
+    """Coarser barometers say nothing of the road."""
+    altitude_gate_nis: Positive = 15.0
+    """Altitude of a fix further off than this (squared, in stds) is left out..."""
+    altitude_rejections_max: int = 10
+    """...unless this many in a row were."""
+
     # eta
     route_filter: Literal["default", "avl"] = "default"
     """`avl` is the published filter of papers/000, kept as a reference."""
+    off_route_m: Positive = 60.0
+    """Twice farther from the route than this is a detour (as transit systems have it)."""
+    on_route_m: Positive = 40.0
+    """Twice within this of the route ends a detour."""
+    stop_radius_m: Positive = 10.0
+    """A vehicle that stands this near to a stop has arrived (SPEC section 8)."""
+    eta_standing_mps: Positive = 0.5
+    """Slower is standing."""
+    eta_moving_mps: Positive = 2.0
+    """Faster is under way: the heading is to be believed, and a dwell is over."""
+    eta_stale_after_s: Positive = 5.0
+    """Arrivals from a position older than this are marked stale."""
+    eta_forget_after_s: Positive = 360.0
+    """Nothing is predicted from a position older than this (as transit systems have it)."""
+
+    # slope map
+    map_bin_m: Annotated[float, Meta(ge=1.0, le=100.0)] = 20.0
+    """Length of a new road's bins; papers/004 section 5.5 finds 20 m enough for main roads."""
+    map_slope_walk_pct_per_sqrt_m: Positive = 0.2
+    """Roads change their grade by 2 % in 100 m; rather too much, so that runs average well."""
+    map_gps_error_time_s: Positive = 60.0
+    """Correlation time of an altitude's error: phones and car receivers wander 1.8 m in 10 s."""
+    map_gps_white_share: Annotated[float, Meta(gt=0.0, lt=1.0)] = 0.1
+    """Share of an altitude's std that is new in every fix."""
+    map_gps_std_max_m: Positive = 20.0
+    """A worse altitude (cold start, poor dilution) says nothing of the slope."""
+    map_barometer_std_m: Positive = 0.5
+    """Wind and ventilation, besides the rounding."""
+    map_barometer_walk_m_per_sqrt_s: Positive = 0.1
+    """Weather and the air pressure of driving: 3 m in a quarter of an hour."""
+    map_barometer_step_max_m: Positive = 10.0
+    """A coarser barometer says nothing of the slope; papers/004 used one of 4.2 m."""
+    map_grade_std_max_pct: Positive = 5.0
+    """A bin known worse by a run is not learned from it."""
+    map_position_std_max_m: Positive = 25.0
+    """A pose known worse is not placed on a road."""
+    map_run_max_m: Positive = 50_000.0
+    """A run this long is merged though the drive goes on."""
+    map_gap_s: Positive = 60.0
+    """A silence this long ends a run."""
+    horizon_length_m: Positive = 2000.0
+    """How far the horizon looks."""
+    horizon_step_m: Positive = 20.0
+    """Between the points of the horizon."""

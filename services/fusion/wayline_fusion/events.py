@@ -1,0 +1,34 @@
+"""Pure: what happens to the vehicle, as the horizontal estimator takes it in."""
+
+import msgspec
+
+
+class Step(msgspec.Struct, frozen=True, gc=False):
+    """Time passes; keeps prediction steps short."""
+
+    t_ns: int
+
+
+class WheelSpeed(msgspec.Struct, frozen=True, gc=False):
+    """Wheel speed as measured, negative in reverse, with the std of its rounding and noise."""
+
+    t_ns: int
+    speed_mps: float
+    std_mps: float
+
+
+class Fix(msgspec.Struct, frozen=True, gc=False):
+    """A valid fix; stds are one sigma of its total error, position per axis."""
+
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
+    position_std_m: float
+    speed_mps: float | None
+    speed_std_mps: float
+    course_rad: float | None
+    course_std_rad: float | None
+    """None: from the speed's std."""
+
+
+Event = Step | WheelSpeed | Fix

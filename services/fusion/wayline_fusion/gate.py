@@ -1,0 +1,22 @@
+"""Pure: the chi-square gate. A measurement too unlikely for its stds is rejected, and said so."""
+
+from functools import cache
+
+from scipy.special import chdtri
+from wayline.messages import Verdict
+
+
+@cache
+def threshold(dimension: int, probability: float) -> float:
+    """Bound of the normalised innovation squared that good measurements pass this often."""
+    return float(chdtri(dimension, 1.0 - probability))
+
+
+def judge(sensor: str, t_ns: int, nis: float, dimension: int, probability: float) -> Verdict:
+    """Accept or reject a measurement by its normalised innovation squared."""
+    limit = threshold(dimension, probability)
+    accepted = nis <= limit
+    reason = None if accepted else "too far from the prediction for its and the filter's stds"
+    return Verdict(
+        sensor=sensor, t_ns=t_ns, accepted=accepted, nis=nis, threshold=limit, reason=reason
+    )

@@ -1,0 +1,77 @@
+"""Pure: the angle that the gyro has measured, between any two instants of the last seconds."""
+
+from bisect import bisect_left
+
+LONGEST_HOLD_NS = 1_000_000_000
+"""A rate is held this long when samples stop (SPEC section 2)."""
+KEPT_NS = 4_000_000_000
+TRIM_AT = 2_000
+
+
+class GyroTrack:
+    """Integrates measured yaw rate (rad/s, clockwise, uncorrected) by the trapezoidal rule."""
+
+    def __init__(self) -> None:
+        self._times_ns: list[int] = []
+        self._angles_rad: list[float] = []
+        self._rates_radps: list[float] = []
+
+    def add(self, t_ns: int, rate_radps: float) -> None:
+        """Append a sample; one that does not advance time is ignored."""
+        if not self._times_ns:
+            self._append(t_ns, 0.0, rate_radps)
+            return
+        last_ns, last_rate = self._times_ns[-1], self._rates_radps[-1]
+        gap_ns = t_ns - last_ns
+        if gap_ns <= 0:
+            return
+        if gap_ns <= LONGEST_HOLD_NS:
+            turned = 0.5 * (last_rate + rate_radps) * gap_ns * 1e-9
+        else:
+            turned = last_rate * LONGEST_HOLD_NS * 1e-9
+        self._append(t_ns, self._angles_rad[-1] + turned, rate_radps)
+        if len(self._times_ns) > TRIM_AT:
+            self._trim(t_ns - KEPT_NS)
+
+    def turned_rad(self, from_ns: int, to_ns: int) -> float | None:
+        """Measured turn between two instants; None where the gyro was silent at the end."""
+        if not self.covers(to_ns):
+            return None
+        return self._angle_at(to_ns) - self._angle_at(from_ns)
+
+    def covers(self, t_ns: int) -> bool:
+        """Whether a sample no older than the longest hold tells the rate at an instant."""
+        if not self._times_ns or t_ns > self._times_ns[-1] + LONGEST_HOLD_NS:
+            return False
+        place = bisect_left(self._times_ns, t_ns)
+        return place == 0 or t_ns - self._times_ns[place - 1] <= LONGEST_HOLD_NS
+
+    def rate_radps(self, t_ns: int) -> float | None:
+        """Measured rate at or just before an instant; None where the gyro was silent."""
+        if not self.covers(t_ns):
+            return None
+        place = bisect_left(self._times_ns, t_ns)
+        if place < len(self._times_ns) and self._times_ns[place] == t_ns:
+            return self._rates_radps[place]
+        return self._rates_radps[max(place - 1, 0)]
+
+    def _angle_at(self, t_ns: int) -> float:
+        times = self._times_ns
+        place = bisect_left(times, t_ns)
+        if place == 0:
+            return self._angles_rad[0] + self._rates_radps[0] * (t_ns - times[0]) * 1e-9
+        if place == len(times):
+            held_ns = min(t_ns - times[-1], LONGEST_HOLD_NS)
+            return self._angles_rad[-1] + self._rates_radps[-1] * held_ns * 1e-9
+        share = (t_ns - times[place - 1]) / (times[place] - times[place - 1])
+        before = self._angles_rad[place - 1]
+        return before + share * (self._angles_rad[place] - before)
+
+    def _append(self, t_ns: int, angle_rad: float, rate_radps: float) -> None:
+        self._times_ns.append(t_ns)
+        self._angles_rad.append(angle_rad)
+        self._rates_radps.append(rate_radps)
+
+    def _trim(self, oldest_ns: int) -> None:
+        place = bisect_left(self._times_ns, oldest_ns)
+        del self._times_ns[:place], self._angles_rad[:place], self._rates_radps[:place]

@@ -1,0 +1,23 @@
+"""Pure: how coarse a sensor's steps are, learned from its readings."""
+
+import math
+
+
+class Resolution:
+    """The step of a quantised sensor: the greatest common divisor of all its readings so far.
+
+    Conservative at first (few readings share large divisors), exact soon.
+    """
+
+    def __init__(self, unit: float) -> None:
+        self._unit = unit
+        self._divisor = 0
+
+    def learn(self, value: float) -> None:
+        """Take a reading into account."""
+        self._divisor = math.gcd(self._divisor, round(value / self._unit))
+
+    @property
+    def std(self) -> float:
+        """Standard deviation of rounding to the step: step / sqrt(12)."""
+        return self._divisor * self._unit / math.sqrt(12.0)

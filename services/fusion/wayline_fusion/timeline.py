@@ -1,0 +1,71 @@
+"""Pure: applies events at their own time, even when they arrive late, by rewinding."""
+
+from collections import deque
+from collections.abc import Callable
+from typing import Generic, NamedTuple, Protocol, TypeVar
+
+State = TypeVar("State")
+
+
+class Event(Protocol):
+    """Something that happened to the vehicle at an instant."""
+
+    @property
+    def t_ns(self) -> int:
+        """When it happened."""
+        ...
+
+
+EventType = TypeVar("EventType", bound=Event)
+
+
+class Entry(NamedTuple, Generic[EventType, State]):
+    """An event and the state just before it."""
+
+    event: EventType
+    before: State
+
+
+class Timeline(Generic[EventType, State]):
+    """Keeps the events of the last second with the state before each.
+
+    `apply` brings the state forward to an event and takes the event in.
+    """
+
+    def __init__(
+        self,
+        apply: Callable[[EventType], None],
+        snapshot: Callable[[], State],
+        restore: Callable[[State], None],
+        depth_ns: int,
+    ) -> None:
+        self._apply, self._snapshot, self._restore = apply, snapshot, restore
+        self._depth_ns = depth_ns
+        self._entries: deque[Entry[EventType, State]] = deque()
+        self._now_ns: int | None = None
+
+    def add(self, event: EventType) -> bool:
+        """Apply an event at its own time; False when it is older than the history reaches."""
+        now_ns = event.t_ns if self._now_ns is None else self._now_ns
+        if event.t_ns < now_ns - self._depth_ns:
+            return False
+        later = self._rewind_to(event.t_ns)
+        self._push(event)
+        for each in reversed(later):
+            self._push(each)
+        self._now_ns = max(now_ns, event.t_ns)
+        while self._entries and self._entries[0].event.t_ns < self._now_ns - self._depth_ns:
+            self._entries.popleft()
+        return True
+
+    def _rewind_to(self, t_ns: int) -> list[EventType]:
+        later: list[EventType] = []
+        while self._entries and self._entries[-1].event.t_ns > t_ns:
+            entry = self._entries.pop()
+            later.append(entry.event)
+            self._restore(entry.before)
+        return later
+
+    def _push(self, event: EventType) -> None:
+        self._entries.append(Entry(event, self._snapshot()))
+        self._apply(event)
