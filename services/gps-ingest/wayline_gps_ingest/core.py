@@ -1,0 +1,161 @@
+"""Pure: sentences and position reports of one receiver in, `gps_fix` and `gps_sky` out."""
+
+import datetime as dt
+from collections import Counter
+
+import msgspec
+from wayline.inputs import Flush, PositionReport, Sentence, Tick
+from wayline.messages import GpsFix, Message
+
+from wayline_gps_ingest.cycle import EpochAssembler
+from wayline_gps_ingest.decode import decode
+from wayline_gps_ingest.epoch import Epoch
+from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
+from wayline_gps_ingest.parsing import parse
+from wayline_gps_ingest.reports import fix_of_report
+from wayline_gps_ingest.timeline import SteadyClock, Timeline, nearest_ns
+from wayline_gps_ingest.waiting import WaitingRoom
+
+WAIT_NS = SECOND_NS
+"""An epoch is complete when nothing more of it came for this long."""
+SKY_PERIOD_NS = SECOND_NS * 9 // 10
+"""The sky travels once a second; the margin allows for epochs that are not quite 1 s apart."""
+
+
+class GpsIngestCore:
+    """One receiver of one vehicle; its sources are not mixed, so each receiver has its own core.
+
+    `gps_latency_s`: a fix describes the vehicle this long before its own timestamp.
+    `date`: UTC day of the first sentence, for a log whose sentences carry no date.
+
+    An epoch whose date is not known yet is held until a fix with a date comes, for 10 s of the
+    receiver's time; older ones are dropped and counted (`undated`). The date of an epoch without a
+    fix is not believed before a fix has confirmed it, or input has ended.
+    """
+
+    def __init__(self, gps_latency_s: float = 0.0, date: dt.date | None = None) -> None:
+        self._latency_ns = round(gps_latency_s * SECOND_NS)
+        self._assembler = EpochAssembler()
+        self._timeline = Timeline(date)
+        self._clock = SteadyClock()
+        self._faults: Counter[str] = Counter()
+        self._waiting = WaitingRoom()
+        self._checked = False
+        self._day_known = date is not None
+        self._arrival_ns: int | None = None
+        self._sky_ns: int | None = None
+
+    @property
+    def faults(self) -> dict[str, int]:
+        """Bad input so far, by reason.
+
+        `checksum` wrong; `torn`: cut short, or without the checksum that this receiver sends;
+        `malformed`; `field`: a time, date or position that cannot be one; `undated`: an epoch
+        dropped for want of a date; `clock`: an epoch dropped or moved because the receiver's clock
+        stepped; `report`: a position report outside the world.
+        """
+        counted = {**self._faults, "undated": self._waiting.dropped, "clock": self._clock.faults}
+        return {reason: times for reason, times in counted.items() if times}
+
+    @property
+    def bad_input(self) -> int:
+        """Inputs that were counted and dropped or mended."""
+        return sum(self.faults.values())
+
+    @property
+    def undated(self) -> bool:
+        """Whether fixes were lost because no sentence ever carried a date and none was given."""
+        return not self._day_known and bool(self._waiting.dropped or len(self._waiting))
+
+    def handle(self, message: msgspec.Struct, source: str) -> list[Message]:  # noqa: ARG002 -- one receiver
+        """Take a Sentence, PositionReport, Tick or Flush; return what it completes."""
+        if isinstance(message, Sentence):
+            return self._sentence(message)
+        if isinstance(message, PositionReport):
+            return self._report(message)
+        if isinstance(message, Tick):
+            return self._tick(message.t_ns)
+        if isinstance(message, Flush):
+            return self._flush()
+        return []
+
+    def _sentence(self, sentence: Sentence) -> list[Message]:
+        parsed = parse(sentence.text)
+        if parsed is None:
+            return []
+        if isinstance(parsed, str):
+            self._faults[parsed] += 1
+            return []
+        if self._checked and not parsed.checked:
+            self._faults["torn"] += 1
+            return []
+        self._checked = parsed.checked
+        try:
+            observation = decode(parsed)
+        except BadFieldError:
+            self._faults["field"] += 1
+            return []
+        self._day_known = self._day_known or "date" in observation.facts
+        complete = self._assembler.add(observation)
+        self._arrival_ns = sentence.arrival_ns
+        return self._publish(complete) if complete else []
+
+    def _tick(self, t_ns: int) -> list[Message]:
+        time_ns = self._assembler.open_time_ns
+        if time_ns is None:
+            return []
+        arrival_ns = nearest_ns(time_ns, t_ns) if self._arrival_ns is None else self._arrival_ns
+        return self._publish(self._assembler.finish()) if t_ns - arrival_ns >= WAIT_NS else []
+
+    def _publish(self, complete: list[Epoch]) -> list[Message]:
+        messages: list[Message] = []
+        for epoch in complete:
+            messages += self._dated(epoch)
+        return messages
+
+    def _dated(self, epoch: Epoch) -> list[Message]:
+        """An epoch and those that waited for its date."""
+        if epoch.time_ns is None:
+            return []
+        fix = epoch.fix(0)
+        # without a fix a receiver's date is its own clock's, which may be decades off
+        day = epoch.facts.get("date") if fix.valid else None
+        raw_ns = self._timeline.instant_ns(epoch.time_ns, day)
+        if raw_ns is None:
+            self._waiting.hold(epoch)
+            return []
+        messages: list[Message] = []
+        for waiting, waiting_ns in self._waiting.release(raw_ns):
+            messages += self._at(waiting, waiting.fix(0), waiting_ns)
+        return messages + self._at(epoch, fix, raw_ns)
+
+    def _flush(self) -> list[Message]:
+        messages = self._publish(self._assembler.finish())
+        for waiting, waiting_ns in self._waiting.release_unconfirmed():
+            messages += self._at(waiting, waiting.fix(0), waiting_ns)
+        return messages
+
+    def _at(self, epoch: Epoch, fix: GpsFix, raw_ns: int) -> list[Message]:
+        t_ns = self._steady_ns(fix, raw_ns - self._latency_ns)
+        if t_ns is None:
+            return []
+        messages: list[Message] = [msgspec.structs.replace(fix, t_ns=t_ns)]
+        if epoch.in_view and (self._sky_ns is None or t_ns - self._sky_ns >= SKY_PERIOD_NS):
+            self._sky_ns = t_ns
+            messages.append(epoch.sky.message(t_ns))
+        return messages
+
+    def _steady_ns(self, fix: GpsFix, raw_ns: int) -> int | None:
+        if fix.repeat:
+            return self._clock.repeat_ns(raw_ns)
+        if raw_ns < 0:
+            return None
+        return self._clock.fixed_ns(raw_ns) if fix.valid else self._clock.unfixed_ns(raw_ns)
+
+    def _report(self, report: PositionReport) -> list[Message]:
+        fix = fix_of_report(report)
+        t_ns = self._steady_ns(fix, report.t_ns - self._latency_ns) if fix else None
+        if fix is None or t_ns is None:
+            self._faults["report"] += fix is None
+            return []
+        return [msgspec.structs.replace(fix, t_ns=t_ns)]

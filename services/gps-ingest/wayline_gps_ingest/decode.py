@@ -1,0 +1,236 @@
+"""Pure: what each sentence says, in SI units and degrees.
+
+Field numbers follow NMEA 0183 4.11 with the address left out; old receivers send fewer fields.
+"""
+
+import datetime as dt
+from collections.abc import Callable, Sequence
+from typing import Literal, NamedTuple, TypedDict
+
+from wayline.messages import FixKind
+
+from wayline_gps_ingest.fields import (
+    MPS_PER_KMPH,
+    MPS_PER_KNOT,
+    bearing_deg,
+    count,
+    date_of,
+    latitude_deg,
+    longitude_deg,
+    not_negative,
+    number,
+    positive,
+    time_of_day_ns,
+)
+from wayline_gps_ingest.parsing import Parsed
+
+ALTITUDE_MIN_M = -1000.0
+"""Below any road; receivers write -5400 m and the like for unknown."""
+BLANKS = ("",) * 20
+QUALITY: dict[str, FixKind] = {
+    "1": "gps",
+    "2": "dgps",
+    "3": "gps",
+    "4": "rtk_fixed",
+    "5": "rtk_float",
+    "6": "dead_reckoning",
+    "7": "manual",
+    "8": "simulator",
+    "9": "dgps",
+}
+MODES: dict[str, FixKind] = {
+    "A": "gps",
+    "P": "gps",
+    "D": "dgps",
+    "F": "rtk_float",
+    "R": "rtk_fixed",
+    "E": "dead_reckoning",
+    "M": "manual",
+    "S": "simulator",
+}
+BEST_FIRST = "RFDPAEMS"
+
+
+class Facts(TypedDict, total=False):
+    """What is known of an epoch; a key is absent where nothing was said of it."""
+
+    date: dt.date
+    gga_valid: bool
+    gns_valid: bool
+    rmc_valid: bool
+    gll_valid: bool
+    lat_deg: float
+    lon_deg: float
+    alt_m: float
+    geoid_sep_m: float
+    speed_mps: float
+    course_deg: float
+    gsa_mode: int
+    quality: FixKind
+    mode_fix: FixKind
+    satellites: int
+    hdop: float
+    pdop: float
+    vdop: float
+    h_std_m: float
+    v_std_m: float
+
+
+class Observation(NamedTuple):
+    """One sentence, read. `key` tells it from the others of its receiver's cycle."""
+
+    key: str
+    kind: str
+    time_ns: int | None
+    """Since midnight UTC; None for kinds without time."""
+    facts: Facts
+    fields: Sequence[str] = ()
+    """Of GSA and GSV, for the sky."""
+    talker: str = ""
+
+
+def decode(parsed: Parsed) -> Observation:
+    """What a sentence says. Raises BadFieldError where its time, date or position is no such."""
+    return DECODERS[parsed.kind](parsed, [*parsed.fields, *BLANKS])
+
+
+def _gga(parsed: Parsed, fields: list[str]) -> Observation:
+    quality = QUALITY.get(fields[5])
+    facts = _position(fields[1:5], valid=quality is not None)
+    facts["gga_valid"] = "lat_deg" in facts
+    if quality:
+        facts["quality"] = quality
+    _levels(facts, satellites=fields[6], hdop=fields[7], alt_m=fields[8], sep_m=fields[10])
+    return Observation(f"{parsed.talker}GGA", "GGA", time_of_day_ns(fields[0]), facts)
+
+
+def _gns(parsed: Parsed, fields: list[str]) -> Observation:
+    best = next((mode for mode in BEST_FIRST if mode in fields[5]), None)
+    facts = _position(fields[1:5], valid=best is not None)
+    facts["gns_valid"] = "lat_deg" in facts
+    if best:
+        facts["quality"] = MODES[best]
+    _levels(facts, satellites=fields[6], hdop=fields[7], alt_m=fields[8], sep_m=fields[9])
+    return Observation(f"{parsed.talker}GNS", "GNS", time_of_day_ns(fields[0]), facts)
+
+
+def _rmc(parsed: Parsed, fields: list[str]) -> Observation:
+    facts = _position(fields[2:6], valid=fields[1] == "A")
+    facts["rmc_valid"] = "lat_deg" in facts
+    _motion(facts, not_negative(fields[6]), MPS_PER_KNOT, fields[7])
+    date = fields[8]
+    day = date_of(date[:2], date[2:4], date[4:])
+    # year 1980 is a cold receiver's clock before it has heard the time
+    if day and day.year > 1980:
+        facts["date"] = day
+    if fields[11] in MODES:
+        facts["mode_fix"] = MODES[fields[11]]
+    return Observation(f"{parsed.talker}RMC", "RMC", time_of_day_ns(fields[0]), facts)
+
+
+def _gll(parsed: Parsed, fields: list[str]) -> Observation:
+    facts = _position(fields[0:4], valid=fields[5] == "A")
+    facts["gll_valid"] = "lat_deg" in facts
+    if fields[6] in MODES:
+        facts["mode_fix"] = MODES[fields[6]]
+    return Observation(f"{parsed.talker}GLL", "GLL", time_of_day_ns(fields[4]), facts)
+
+
+def _vtg(parsed: Parsed, fields: list[str]) -> Observation:
+    facts = Facts()
+    # before NMEA 0183 2.0 the letters of the units were not sent
+    knots, kmph = (fields[4], fields[6]) if fields[1] in ("T", "") else (fields[2], fields[3])
+    speed_knots = not_negative(knots)
+    if speed_knots is not None:
+        _motion(facts, speed_knots, MPS_PER_KNOT, fields[0])
+    else:
+        _motion(facts, not_negative(kmph), MPS_PER_KMPH, fields[0])
+    return Observation(f"{parsed.talker}VTG", "VTG", None, facts)
+
+
+def _gsa(parsed: Parsed, fields: list[str]) -> Observation:
+    facts = Facts()
+    if fields[1] in ("1", "2", "3"):
+        facts["gsa_mode"] = int(fields[1])
+    dilutions: tuple[tuple[Literal["pdop", "hdop", "vdop"], str], ...] = (
+        ("pdop", fields[14]),
+        ("hdop", fields[15]),
+        ("vdop", fields[16]),
+    )
+    for name, text in dilutions:
+        value = positive(text)
+        if value is not None:
+            facts[name] = value
+    key = f"{parsed.talker}GSA{fields[17]}"
+    return Observation(key, "GSA", None, facts, parsed.fields, parsed.talker)
+
+
+def _gsv(parsed: Parsed, fields: list[str]) -> Observation:
+    rest = (len(parsed.fields) - 3) % 4
+    signal = parsed.fields[-1] if rest == 1 else ""
+    end = "" if fields[0] == fields[1] else "+"
+    key = f"{parsed.talker}GSV{signal}{end}"
+    return Observation(key, "GSV", None, Facts(), parsed.fields, parsed.talker)
+
+
+def _gst(parsed: Parsed, fields: list[str]) -> Observation:
+    facts = Facts()
+    lat_m, lon_m, alt_m = (positive(text) for text in fields[5:8])
+    if lat_m is not None and lon_m is not None:
+        facts["h_std_m"] = ((lat_m**2 + lon_m**2) / 2.0) ** 0.5
+    if alt_m is not None:
+        facts["v_std_m"] = alt_m
+    return Observation(f"{parsed.talker}GST", "GST", time_of_day_ns(fields[0]), facts)
+
+
+def _zda(parsed: Parsed, fields: list[str]) -> Observation:
+    facts = Facts()
+    day = date_of(*fields[1:4])
+    if day and day.year > 1980:
+        facts["date"] = day
+    return Observation(f"{parsed.talker}ZDA", "ZDA", time_of_day_ns(fields[0]), facts)
+
+
+DECODERS: dict[str, Callable[[Parsed, list[str]], Observation]] = {
+    "GGA": _gga,
+    "GNS": _gns,
+    "RMC": _rmc,
+    "GLL": _gll,
+    "VTG": _vtg,
+    "GSA": _gsa,
+    "GSV": _gsv,
+    "GST": _gst,
+    "ZDA": _zda,
+}
+
+
+def _position(fields: Sequence[str], *, valid: bool) -> Facts:
+    """Nothing where the receiver has no fix: it fills the fields with its last one or anything."""
+    if not valid:
+        return Facts()
+    lat_deg = latitude_deg(fields[0], fields[1])
+    lon_deg = longitude_deg(fields[2], fields[3])
+    if lat_deg is None or lon_deg is None:
+        return Facts()
+    return Facts(lat_deg=lat_deg, lon_deg=lon_deg)
+
+
+def _levels(facts: Facts, *, satellites: str, hdop: str, alt_m: str, sep_m: str) -> None:
+    used, dilution = count(satellites), positive(hdop)
+    if used is not None:
+        facts["satellites"] = used
+    if dilution is not None:
+        facts["hdop"] = dilution
+    altitude_m, separation_m = number(alt_m), number(sep_m)
+    if altitude_m is not None and altitude_m > ALTITUDE_MIN_M:
+        facts["alt_m"] = altitude_m
+    if separation_m is not None:
+        facts["geoid_sep_m"] = separation_m
+
+
+def _motion(facts: Facts, speed: float | None, mps_per_unit: float, course: str) -> None:
+    course_deg = bearing_deg(course)
+    if speed is not None:
+        facts["speed_mps"] = speed * mps_per_unit
+    if course_deg is not None:
+        facts["course_deg"] = course_deg

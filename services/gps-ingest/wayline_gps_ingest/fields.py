@@ -1,0 +1,107 @@
+"""Pure: text fields of NMEA 0183 sentences as numbers with units.
+
+An empty field is None. What a receiver writes for "unknown" (`0NaN`) is None too. A time, date or
+position that is there but cannot be one raises BadFieldError: its sentence is not to be trusted.
+"""
+
+import datetime as dt
+import math
+
+SECOND_NS = 1_000_000_000
+MPS_PER_KNOT = 1852.0 / 3600.0
+MPS_PER_KMPH = 1.0 / 3.6
+
+
+class BadFieldError(ValueError):
+    """A field holds something that it cannot hold."""
+
+
+def number(text: str) -> float | None:
+    """A finite decimal number, else None."""
+    if not text:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def count(text: str) -> int | None:
+    """A whole number >= 0, else None."""
+    return int(text) if text.isdecimal() and text.isascii() and len(text) < 10 else None
+
+
+def not_negative(text: str) -> float | None:
+    """A number >= 0, else None."""
+    value = number(text)
+    return value if value is not None and value >= 0.0 else None
+
+
+def positive(text: str) -> float | None:
+    """A number > 0, else None: a dilution or deviation of 0 means that it is not known."""
+    value = number(text)
+    return value if value is not None and value > 0.0 else None
+
+
+def bearing_deg(text: str) -> float | None:
+    """A bearing in 0 <= x < 360, else None."""
+    value = number(text)
+    if value is None or not 0.0 <= value <= 360.0:
+        return None
+    return 0.0 if value == 360.0 else value
+
+
+def time_of_day_ns(text: str) -> int | None:
+    """`hhmmss` with any number of decimals in ns since midnight; second 60 is a leap second."""
+    if not text:
+        return None
+    whole, _, fraction = text.partition(".")
+    digits = whole + fraction
+    if len(whole) != 6 or not (digits.isdecimal() and digits.isascii()):
+        raise BadFieldError(text)
+    hour, minute, second = int(whole[:2]), int(whole[2:4]), int(whole[4:])
+    if hour > 23 or minute > 59 or second > 60:
+        raise BadFieldError(text)
+    nanoseconds = int(fraction[:9].ljust(9, "0")) if fraction else 0
+    return (hour * 3600 + minute * 60 + second) * SECOND_NS + nanoseconds
+
+
+def date_of(day: str, month: str, year: str) -> dt.date | None:
+    """A day from its three fields; two-digit years are 1980 to 2079, GPS time starting in 1980."""
+    if not (day or month or year):
+        return None
+    numbers = count(day), count(month), count(year)
+    if None in numbers:
+        raise BadFieldError(f"{day} {month} {year}")
+    day_number, month_number, year_number = (part or 0 for part in numbers)
+    if len(year) == 2:
+        year_number += 1900 if year_number >= 80 else 2000
+    try:
+        return dt.date(year_number, month_number, day_number)
+    except ValueError:
+        raise BadFieldError(f"{day} {month} {year}") from None
+
+
+def latitude_deg(text: str, hemisphere: str) -> float | None:
+    """`ddmm.mmm` and N or S in degrees, north positive."""
+    return _angle_deg(text, hemisphere, "NS", 90.0)
+
+
+def longitude_deg(text: str, hemisphere: str) -> float | None:
+    """`dddmm.mmm` and E or W in degrees, east positive."""
+    return _angle_deg(text, hemisphere, "EW", 180.0)
+
+
+def _angle_deg(text: str, hemisphere: str, signs: str, limit_deg: float) -> float | None:
+    if not text:
+        return None
+    value = number(text)
+    if value is None or value < 0.0 or len(hemisphere) != 1 or hemisphere not in signs:
+        raise BadFieldError(f"{text} {hemisphere}")
+    degrees = value // 100.0
+    minutes = value - degrees * 100.0
+    angle_deg = degrees + minutes / 60.0
+    if minutes >= 60.0 or angle_deg > limit_deg:
+        raise BadFieldError(text)
+    return angle_deg if hemisphere == signs[0] else -angle_deg

@@ -1,0 +1,59 @@
+"""Pure: one line into address and fields, by pynmea2, its checksum verified.
+
+pynmea2 is asked only for framing and checksum. Its converted fields are not used: they turn an
+unreadable number into text, a position without hemisphere into 0 degrees, refuse minutes without
+decimals, and cost more than the parsing itself.
+"""
+
+import re
+from functools import reduce
+from operator import xor
+from typing import Literal, NamedTuple
+
+import pynmea2
+
+Fault = Literal["checksum", "malformed", "torn"]
+
+KINDS = frozenset(("GGA", "RMC", "GSA", "GSV", "GST", "VTG", "GLL", "GNS", "ZDA"))
+FIELDS_MIN = {"GGA": 10, "RMC": 9, "GLL": 4, "GNS": 9, "GST": 8, "VTG": 4, "ZDA": 4, "GSA": 16}
+"""Fields that a sentence must have where no checksum vouches for its being whole."""
+ADDRESS = re.compile(r"[$!]([A-Z0-9]{2}[A-Z0-9.]*)[,*]")
+CHECKED = re.compile(r"[$!]([^*]*)\*([0-9A-Fa-f]{2})")
+
+
+class Parsed(NamedTuple):
+    """A sentence's talker (`GP`), kind (`GGA`), fields and whether a checksum vouches for them."""
+
+    talker: str
+    kind: str
+    fields: list[str]
+    checked: bool
+
+
+def parse(text: str) -> Parsed | Fault | None:
+    """A sentence that gps-ingest reads, why it cannot be read, or None for one of no interest."""
+    text = text[max(text.rfind("$"), 0) :].rstrip()
+    address = ADDRESS.match(text)
+    if not address:
+        return "malformed"
+    name = address[1]
+    if len(name) != 5 or name[2:] not in KINDS or name[0] == "P" or text[0] != "$":
+        return None if _checksum_holds(text) else "checksum"
+    try:
+        sentence = pynmea2.parse(text)
+    except pynmea2.ChecksumError:
+        return "checksum"
+    except pynmea2.ParseError:
+        return "malformed" if _checksum_holds(text) else "checksum"
+    checked = "*" in text
+    if not checked and len(sentence.data) < FIELDS_MIN.get(name[2:], 3):
+        return "torn"
+    return Parsed(name[:2], name[2:], sentence.data, checked)
+
+
+def _checksum_holds(text: str) -> bool:
+    """Whether the checksum is right or not given; a wrong one counts whatever the sentence."""
+    found = CHECKED.match(text)
+    if not found:
+        return True
+    return reduce(xor, map(ord, found[1]), 0) == int(found[2], 16)

@@ -1,0 +1,72 @@
+"""Reads a recorded NMEA 0183 log: text lines, plain or with the time of their arrival before them.
+
+A log is read as bytes, because receivers mix binary messages in and links tear sentences apart.
+Latin-1 keeps every byte one character, so that checksums can still be told right from wrong.
+"""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from wayline.errors import InputError
+from wayline.inputs import Sentence
+
+SENTENCE = re.compile(
+    r"[$!](?=[A-Z0-9]{2}[A-Z0-9.]*[,*])"  # the start, only where an address field follows
+    r"(?:(?![$!][A-Z0-9]{2}[A-Z0-9.]*[,*])[^*\r\n])*"  # up to a checksum or the next one
+    r"(?:\*[0-9A-Fa-f]{2}|\*)?"
+)
+ARRIVAL = re.compile(r"(\d{1,12})(?:\.(\d{1,9})\d*)?\s+(?=[$!])")
+DATED = re.compile(
+    rb"\$[A-Z]{2}(?:RMC,(?:[^,*\r\n]*,){8}\d{6}[,*\r\n]|ZDA,[^,*\r\n]*,\d\d?,\d\d?,\d{4}[,*\r\n])"
+)
+
+
+def read_sentences(path: Path) -> Iterator[Sentence]:
+    """Sentences of a log in order, each with its arrival where the log holds it.
+
+    Lines may end in CR LF, CR CR LF, CR or LF. Comment lines (`#`) and bytes outside sentences are
+    skipped. Raises InputError if the file cannot be opened.
+    """
+    for line in _lines(path):
+        text = line.decode("latin-1")
+        if not text.startswith("#"):
+            arrival_ns = _arrival_ns(text)
+            for sentence in split_sentences(text):
+                yield Sentence(arrival_ns, sentence)
+
+
+def split_sentences(line: str) -> list[str]:
+    """The sentences within one line, noise around them cut off.
+
+    Links tear sentences, so each begins at the last `$` or `!` that starts one: of
+    `$GPRM$GPRMC,...` only the second remains. A piece long enough to be known by its address is
+    handed on, for its reader to count as torn.
+    """
+    return [match[0].rstrip() for match in SENTENCE.finditer(line)]
+
+
+def has_date(path: Path) -> bool:
+    """Whether any sentence of a log carries a date (RMC, ZDA); reads only up to the first one.
+
+    Raises InputError if the file cannot be opened.
+    """
+    return any(DATED.search(line) for line in _lines(path))
+
+
+def _lines(path: Path) -> Iterator[bytes]:
+    try:
+        with path.open("rb") as log:
+            for line in log:
+                yield from filter(None, line.replace(b"\r", b"\n").split(b"\n"))
+    except OSError as error:
+        raise InputError(
+            str(path), f"cannot be read ({error.strerror})", "check the path"
+        ) from None
+
+
+def _arrival_ns(text: str) -> int | None:
+    found = ARRIVAL.match(text)
+    if not found:
+        return None
+    return int(found[1]) * 1_000_000_000 + int((found[2] or "").ljust(9, "0"))
