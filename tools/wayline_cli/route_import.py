@@ -15,10 +15,11 @@ SPEED_FACTORS = {
     "speed_ms": 1.0,
     "speed": 1.0,
     "speed_kmh": 1.0 / 3.6,
+    "speed_km_h": 1.0 / 3.6,
     "speed_kph": 1.0 / 3.6,
     "speed_mph": 0.44704,
 }
-"""Column name to what makes metres per second of its values."""
+"""Column name to what makes metres per second of its values; without a unit they are that."""
 
 
 def route_from_csv(path: Path, route_id: str, name: str, *, loop: bool) -> Route:
@@ -33,7 +34,7 @@ def route_from_csv(path: Path, route_id: str, name: str, *, loop: bool) -> Route
     header = [_plain(cell) for cell in rows[0]] if rows else []
     lat_at = _column(path, header, LATITUDE_NAMES)
     lon_at = _column(path, header, LONGITUDE_NAMES)
-    speed_at = next((at for at, cell in enumerate(header) if cell in SPEED_FACTORS), None)
+    speed_at = _speed_column(path, header)
     points: list[tuple[float, float]] = []
     speeds_mps: list[float] = []
     for number, row in enumerate(rows[1:], start=2):
@@ -82,6 +83,16 @@ def _column(path: Path, header: Sequence[str], names: Sequence[str]) -> int:
     raise InputError(
         str(path), f"no column for {names[2]}", f"name it {' or '.join(names[:3])} in line 1"
     )
+
+
+def _speed_column(path: Path, header: Sequence[str]) -> int | None:
+    """Where the planned speed is, None without one; a unit that is not known is refused."""
+    found = next((at for at, cell in enumerate(header) if cell.startswith("speed")), None)
+    if found is not None and header[found] not in SPEED_FACTORS:
+        raise InputError(
+            str(path), f"column {header[found]} has an unknown unit", "name it speed_mps"
+        )
+    return found
 
 
 def _number(path: Path, number: int, row: Sequence[str], at: int, limit: float) -> float:

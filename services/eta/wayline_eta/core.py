@@ -1,0 +1,132 @@
+"""Pure: poses (or fixes) of one vehicle into its progress and arrivals on the best route."""
+
+from collections.abc import Sequence
+
+import msgspec
+from wayline.core import Record
+from wayline.inputs import Tick
+from wayline.messages import Arrivals, GpsFix, Message, Pose
+from wayline.route import Route
+from wayline.tuning import Tuning
+
+from wayline_eta.arrivals import Outlook, predict_arrivals
+from wayline_eta.fix_follower import FixFollower
+from wayline_eta.route_follower import RouteFollower
+
+SECOND_NS = 1_000_000_000
+
+
+class EtaCore:
+    """One vehicle's progress and arrivals.
+
+    By default both come once a second at ticks, from poses; with the tuning's `route_filter`
+    "avl" once a row of `gps_fix`. Nothing comes before the first match with a route, or without
+    routes.
+    """
+
+    def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
+        self._reference = tuning.route_filter == "avl"
+        self._by_pose = ByPose(routes, tuning)
+        self._by_fix = ByFix(routes, tuning)
+
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+        """Take a pose, a fix or a tick; anything else is not read."""
+        if self._reference:
+            return self._by_fix.follow(message, source) if isinstance(message, GpsFix) else ()
+        if isinstance(message, Pose):
+            self._by_pose.take(message)
+        elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
+            return self._by_pose.tell(message.t_ns)
+        return ()
+
+
+class ByPose:
+    """Follows the route that the vehicle is on; while it is on none, all of them.
+
+    The followed route is left only when the vehicle has left it, so routes that share a street
+    do not take turns.
+    """
+
+    def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
+        self._tuning = tuning
+        self._followers = [RouteFollower(route, tuning) for route in routes]
+        self._current: RouteFollower | None = None
+        self._pose: Pose | None = None
+
+    def take(self, pose: Pose) -> None:
+        """Keep a pose for the next tick, if it has a position worth following."""
+        if pose.lat_deg is not None and pose.lon_deg is not None and pose.mode != "lost":
+            self._pose = pose
+
+    def tell(self, t_ns: int) -> list[Message]:
+        """Progress, while there is a fresh pose, and arrivals at a whole second."""
+        if self._pose is None:
+            return []
+        self._follow(self._pose)
+        if self._current is None:
+            return []
+        age_s = (t_ns - self._pose.t_ns) * 1e-9
+        stale = age_s > self._tuning.eta_stale_after_s
+        progress = None if stale else self._current.progress(t_ns)
+        outlook = self._current.outlook(t_ns)
+        if age_s > self._tuning.eta_forget_after_s:
+            outlook = None
+        arrivals = _arrivals(self._current.route, outlook, t_ns, stale=stale)
+        return [arrivals] if progress is None else [progress, arrivals]
+
+    def _follow(self, pose: Pose) -> None:
+        if pose.lat_deg is None or pose.lon_deg is None:
+            return
+        current = self._current
+        if current is not None:
+            current.observe(pose, pose.lat_deg, pose.lon_deg)
+            if current.on_route:
+                return
+        for follower in self._followers:
+            if follower is not current:
+                follower.observe(pose, pose.lat_deg, pose.lon_deg)
+        matching = [follower for follower in self._followers if follower.on_route]
+        if matching:
+            self._current = min(matching, key=lambda follower: follower.offset_m)
+
+
+class ByFix:
+    """Follows the route that is nearest to the first fix, one receiver only."""
+
+    def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
+        self._routes, self._tuning = routes, tuning
+        self._follower: FixFollower | None = None
+        self._source: str | None = None
+
+    def follow(self, fix: GpsFix, source: str) -> list[Message]:
+        """Progress and arrivals for one row, from the first fix with a position on."""
+        if self._follower is None:
+            route = self._nearest_route(fix)
+            if route is None:
+                return []
+            self._follower, self._source = FixFollower(route, self._tuning), source
+        if source != self._source:
+            return []
+        self._follower.observe(fix)
+        progress = self._follower.progress()
+        if progress is None:
+            return []
+        age_s = (self._follower.t_ns - self._follower.known_ns) * 1e-9
+        forgotten = age_s > self._tuning.eta_forget_after_s
+        outlook = None if forgotten else self._follower.outlook()
+        stale = age_s > self._tuning.eta_stale_after_s
+        return [progress, _arrivals(self._follower.route, outlook, progress.t_ns, stale=stale)]
+
+    def _nearest_route(self, fix: GpsFix) -> Route | None:
+        lat_deg, lon_deg = fix.lat_deg, fix.lon_deg
+        if not self._routes or not fix.valid or lat_deg is None or lon_deg is None:
+            return None
+        return min(
+            self._routes,
+            key=lambda route: float(route.line.project_legs(lat_deg, lon_deg).offsets_m.min()),
+        )
+
+
+def _arrivals(route: Route, outlook: Outlook | None, t_ns: int, *, stale: bool) -> Arrivals:
+    stops = predict_arrivals(route, outlook, t_ns) if outlook else ()
+    return Arrivals(t_ns=t_ns, route_id=route.route_id, stale=stale, stops=stops)

@@ -1,0 +1,164 @@
+"""Pure: where along its route a vehicle is, told from all the places where it might be.
+
+A hidden Markov model on the route's one dimension: the states are the locally nearest points of
+the line, the emission is the offset and heading of the pose, the transition compares how far the
+place moved along the line with how far the vehicle says it travelled. So a street that the route
+passes twice is told apart by motion, and a wrong first guess is given up when it stops fitting.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from wayline.messages import Pose
+from wayline.route import Route
+
+from wayline_eta.candidates import Candidates, locally_nearest
+
+Floats = NDArray[np.float64]
+
+LINE_STD_M = 6.0
+"""How far the drawn line may lie from the lane."""
+OFFSET_CAP_M = 60.0
+"""Farther away all places are alike; motion alone decides between them."""
+CORRELATION_S = 10.0
+"""Errors of position last about so long: poses nearer in time are not new evidence."""
+WRONG_WAY_COST = 8.0
+"""Lost by heading against the line; half of it by crossing the line."""
+MOTION_SLACK_M = 5.0
+MOTION_SLACK_SHARE = 0.1
+"""Odometer and line disagree by so much, and by so much of the distance travelled."""
+JUMP_COST = 12.0
+"""Most that a place can lose by moving unlike the vehicle: a detour or a short cut ends so."""
+FORGET_COST = 30.0
+EARLIEST_COST = 0.1
+"""Lost by the end of the route against its start, so that a tie is a vehicle that sets out."""
+BEFORE_START_M = 10.0
+"""A first place this near to the end of a loop is a vehicle about to start its first lap."""
+UNKNOWN_STD_M = 5.0
+STEADY_HEADING_STD_DEG = 45.0
+
+
+class Place(NamedTuple):
+    """Where a vehicle is on a route."""
+
+    total_m: float
+    """Along the route; on a loop it goes on growing over the laps."""
+    cross_track_m: float
+    """Of the vehicle from the route, positive to the right of the direction of travel."""
+    along_std_m: float
+    across_std_m: float
+    turn_deg: float
+    """Between the vehicle's heading and the route's, 0 to 180; 0 where it is not known."""
+
+
+class PlaceTracker:
+    """The likeliest place of one vehicle on one route."""
+
+    def __init__(self, route: Route) -> None:
+        self._route = route
+        self._totals_m: Floats = np.empty(0)
+        self._costs: Floats = np.empty(0)
+        self._last: Pose | None = None
+        self._last_std_m = UNKNOWN_STD_M
+
+    def observe(self, pose: Pose, lat_deg: float, lon_deg: float) -> Place:
+        """Take the next pose with its position in degrees, and say where the vehicle is."""
+        candidates = locally_nearest(self._route.line, lat_deg, lon_deg)
+        turns_deg = _turns_deg(pose, candidates)
+        headings = WRONG_WAY_COST * (1.0 - np.cos(np.radians(turns_deg))) / 2.0
+        costs = self._emission(pose, candidates) + headings
+        if self._last is None:
+            totals_m = self._first_totals(candidates)
+            costs = costs + EARLIEST_COST * totals_m / self._route.length_m
+        else:
+            totals_m, moved = self._transition(self._last, pose, candidates)
+            costs = costs + moved
+        best = int(np.argmin(costs))
+        place = self._place(pose, candidates, totals_m, turns_deg, best)
+        kept = costs <= costs[best] + FORGET_COST
+        self._totals_m, self._costs = totals_m[kept], costs[kept] - costs[best]
+        self._last, self._last_std_m = pose, place.along_std_m
+        return place
+
+    def _emission(self, pose: Pose, candidates: Candidates) -> Floats:
+        """Half the squared normalised offset, weighed by how much of it is new evidence."""
+        elapsed_s = CORRELATION_S if self._last is None else (pose.t_ns - self._last.t_ns) * 1e-9
+        weight = min(elapsed_s / CORRELATION_S, 1.0)
+        std_m = math.hypot(position_std_m(pose, None), LINE_STD_M)
+        offsets_m = np.minimum(np.abs(candidates.offsets_m), OFFSET_CAP_M)
+        return np.asarray(0.5 * weight * (offsets_m / std_m) ** 2)
+
+    def _first_totals(self, candidates: Candidates) -> Floats:
+        alongs_m, length_m = candidates.alongs_m, self._route.length_m
+        if not self._route.loop:
+            return alongs_m
+        return np.where(alongs_m > length_m - BEFORE_START_M, alongs_m - length_m, alongs_m)
+
+    def _transition(self, last: Pose, pose: Pose, candidates: Candidates) -> tuple[Floats, Floats]:
+        """Distance and cost of reaching every candidate from the best of the earlier places."""
+        travelled_m = travelled_between_m(last, pose)
+        # rows: earlier places, columns: candidates
+        advances_m = candidates.alongs_m[None, :] - self._totals_m[:, None]
+        surplus_m = advances_m - travelled_m
+        if self._route.loop:
+            length_m = self._route.length_m
+            surplus_m = (surplus_m + length_m / 2.0) % length_m - length_m / 2.0
+        slack_m = MOTION_SLACK_M + MOTION_SLACK_SHARE * abs(travelled_m) + self._last_std_m
+        misfit = np.abs(surplus_m) / slack_m
+        costs = self._costs[:, None] + misfit / (1.0 + misfit / JUMP_COST)
+        earlier = np.argmin(costs, axis=0)
+        column = np.arange(len(earlier))
+        totals_m = self._totals_m[earlier] + travelled_m + surplus_m[earlier, column]
+        return totals_m, costs[earlier, column]
+
+    def _place(
+        self,
+        pose: Pose,
+        candidates: Candidates,
+        totals_m: Floats,
+        turns_deg: Floats,
+        best: int,
+    ) -> Place:
+        heading_deg = float(candidates.headings_deg[best])
+        return Place(
+            float(totals_m[best]),
+            float(candidates.offsets_m[best]),
+            position_std_m(pose, heading_deg),
+            position_std_m(pose, heading_deg + 90.0),
+            float(turns_deg[best]),
+        )
+
+
+def _turns_deg(pose: Pose, candidates: Candidates) -> Floats:
+    """Between the vehicle's heading and the line's; 0 where the vehicle's is not known well."""
+    uncertain = (pose.heading_std_deg or 0.0) > STEADY_HEADING_STD_DEG
+    if pose.heading_deg is None or uncertain:
+        return np.zeros(len(candidates.alongs_m))
+    turns_deg = (candidates.headings_deg - pose.heading_deg + 180.0) % 360.0 - 180.0
+    return np.asarray(np.abs(turns_deg))
+
+
+def travelled_between_m(last: Pose, pose: Pose) -> float:
+    """How far a vehicle went between two poses, negative in reverse.
+
+    From the distance that only grows; where fusion has started anew, from speed and time.
+    """
+    speed_mps = pose.speed_mps or 0.0
+    moved_m = pose.distance_m - last.distance_m
+    if moved_m < 0.0:
+        moved_m = abs(speed_mps) * (pose.t_ns - last.t_ns) * 1e-9
+    return math.copysign(moved_m, speed_mps)
+
+
+def position_std_m(pose: Pose, heading_deg: float | None) -> float:
+    """One sigma of a pose's position along a heading, or the mean of both axes without one."""
+    if pose.east_std_m is None or pose.north_std_m is None:
+        return UNKNOWN_STD_M
+    east_m2, north_m2 = pose.east_std_m**2, pose.north_std_m**2
+    if heading_deg is None:
+        return math.sqrt((east_m2 + north_m2) / 2.0)
+    east, north = math.sin(math.radians(heading_deg)), math.cos(math.radians(heading_deg))
+    crossed_m2 = 2.0 * east * north * (pose.east_north_cov_m2 or 0.0)
+    return math.sqrt(max(east**2 * east_m2 + north**2 * north_m2 + crossed_m2, 0.0))

@@ -1,0 +1,118 @@
+"""Pure: one vehicle on one route, from poses: its place, its presence and the stops it served."""
+
+from wayline.messages import Pose, Progress
+from wayline.route import Route
+from wayline.tuning import Tuning
+
+from wayline_eta.arrivals import Outlook
+from wayline_eta.place_tracker import Place, PlaceTracker, travelled_between_m
+from wayline_eta.presence import Presence
+from wayline_eta.stop_visits import StopVisits
+
+EXTRAPOLATE_AT_MOST_S = 2.0
+HOLD_M = 30.0
+HOLD_SIGMAS = 3.0
+"""A place that falls back by less than this is noise: progress waits for it to catch up."""
+
+
+class RouteFollower:
+    """The default route filter: place by `PlaceTracker`, going on at the vehicle's speed."""
+
+    def __init__(self, route: Route, tuning: Tuning) -> None:
+        self.route = route
+        self._tracker = PlaceTracker(route)
+        self._presence = Presence(tuning)
+        self._visits = StopVisits(route, tuning)
+        self._pose: Pose | None = None
+        self._place: Place | None = None
+        self._speed_mps = 0.0
+
+    @property
+    def on_route(self) -> bool:
+        """Whether the vehicle follows this route."""
+        return self._presence.on_route
+
+    @property
+    def offset_m(self) -> float:
+        """How far from the route the vehicle is, either side."""
+        return abs(self._place.cross_track_m) if self._place else float("inf")
+
+    def observe(self, pose: Pose, lat_deg: float, lon_deg: float) -> None:
+        """Take the next pose with its position in degrees; older and repeated ones are ignored."""
+        if self._pose is not None and pose.t_ns <= self._pose.t_ns:
+            return
+        place = self._held(self._tracker.observe(pose, lat_deg, lon_deg))
+        self._speed_mps = _speed_of(self._pose, pose)
+        self._pose, self._place = pose, place
+        if self._presence.observe(place, self._speed_mps):
+            self._visits.observe(place.total_m, self._speed_mps, pose.t_ns)
+
+    def _held(self, place: Place) -> Place:
+        if self._place is None:
+            return place
+        behind_m = self._place.total_m - place.total_m
+        limit_m = max(HOLD_M, HOLD_SIGMAS * place.along_std_m)
+        held = 0.0 < behind_m < limit_m
+        return place._replace(total_m=self._place.total_m) if held else place
+
+    def progress(self, t_ns: int) -> Progress | None:
+        """Where the vehicle is at an instant soon after its last pose; None before the first."""
+        if self._place is None:
+            return None
+        place, total_m = self._place, self._total_at(t_ns)
+        lap, within_m = lap_of(self.route, total_m)
+        lat_deg, lon_deg, _ = self.route.line.point_at(within_m)
+        return Progress(
+            t_ns=t_ns,
+            route_id=self.route.route_id,
+            distance_m=within_m,
+            lap=lap,
+            lat_deg=lat_deg,
+            lon_deg=lon_deg,
+            cross_track_m=place.cross_track_m,
+            distance_std_m=place.along_std_m,
+            on_route=self.on_route,
+            speed_mps=self._speed_mps,
+        )
+
+    def outlook(self, t_ns: int) -> Outlook | None:
+        """What arrivals are predicted from; None while the vehicle does not follow the route.
+
+        Of an instant at most EXTRAPOLATE_AT_MOST_S after the last pose.
+        """
+        if self._place is None or self._pose is None or not self.on_route:
+            return None
+        at_ns = min(t_ns, self._pose.t_ns + round(EXTRAPOLATE_AT_MOST_S * 1e9))
+        total_m = self._total_at(at_ns)
+        return Outlook(
+            t_ns=at_ns,
+            total_m=total_m,
+            served_m=max(self._visits.served_m, total_m),
+            distance_std_m=self._place.along_std_m,
+            dwell_left_s=self._visits.dwell_left_s(at_ns),
+        )
+
+    def _total_at(self, t_ns: int) -> float:
+        if self._place is None or self._pose is None:
+            return 0.0
+        ahead_s = min(max((t_ns - self._pose.t_ns) * 1e-9, 0.0), EXTRAPOLATE_AT_MOST_S)
+        speed_mps = max(self._speed_mps, 0.0) if self.on_route else 0.0
+        total_m = self._place.total_m + speed_mps * ahead_s
+        return total_m if self.route.loop else min(total_m, self.route.length_m)
+
+
+def lap_of(route: Route, total_m: float) -> tuple[int, float]:
+    """The lap (0 is the first) and the distance within it, 0 <= x < length on a loop."""
+    if not route.loop or total_m <= 0.0:
+        return 0, max(total_m, 0.0)
+    lap, within_m = divmod(total_m, route.length_m)
+    return int(lap), within_m
+
+
+def _speed_of(last: Pose | None, pose: Pose) -> float:
+    """The pose's speed; where it has none, from the distance travelled since the last one."""
+    if pose.speed_mps is not None:
+        return pose.speed_mps
+    if last is None:
+        return 0.0
+    return travelled_between_m(last, pose) / ((pose.t_ns - last.t_ns) * 1e-9)

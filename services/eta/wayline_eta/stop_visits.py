@@ -1,0 +1,77 @@
+"""Pure: which stops a vehicle has served, and how long it is still to stand at one.
+
+Arrival is the instant the vehicle first stands within `tuning.stop_radius_m` of a stop, else
+passes it (SPEC section 8).
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from wayline.route import Route
+from wayline.tuning import Tuning
+
+Floats = NDArray[np.float64]
+
+GOES_BACK_M = 100.0
+"""A place this far behind the last served stop is a new trip (or a mistake undone)."""
+
+
+class StopVisits:
+    """Follows one vehicle on one route; distances go on growing over a loop's laps."""
+
+    def __init__(self, route: Route, tuning: Tuning) -> None:
+        self._route, self._tuning = route, tuning
+        self._served_m: float | None = None
+        self._stood_at_m: float | None = None
+        self._leaves_ns = 0
+
+    @property
+    def served_m(self) -> float:
+        """Stops up to here have been arrived at."""
+        return 0.0 if self._served_m is None else self._served_m
+
+    def observe(self, total_m: float, speed_mps: float, t_ns: int) -> None:
+        """Take the vehicle's next place and speed."""
+        served_m = total_m if self._served_m is None else self._served_m
+        self._served_m = max(served_m, total_m)
+        if total_m < served_m - GOES_BACK_M:
+            self._served_m, self._stood_at_m = total_m, None
+        if abs(speed_mps) < self._tuning.eta_standing_mps:
+            self._stand(total_m, t_ns)
+        elif self._has_left(total_m, speed_mps):
+            self._leaves_ns = 0
+
+    def dwell_left_s(self, t_ns: int) -> float:
+        """Planned seconds that the vehicle will still stand at the stop where it stands."""
+        return max(self._leaves_ns - t_ns, 0) * 1e-9
+
+    def _stand(self, total_m: float, t_ns: int) -> None:
+        radius_m = self._tuning.stop_radius_m
+        places_m = next_visits_m(self._route, total_m - radius_m)
+        near = np.flatnonzero(places_m <= total_m + radius_m)
+        if not len(near):
+            return
+        last = near[np.argmax(places_m[near])]
+        place_m = float(places_m[last])
+        self._served_m = max(self.served_m, place_m)
+        if place_m != self._stood_at_m:
+            self._stood_at_m = place_m
+            self._leaves_ns = t_ns + round(float(self._route.stop_dwells_s[last]) * 1e9)
+
+    def _has_left(self, total_m: float, speed_mps: float) -> bool:
+        moving = abs(speed_mps) >= self._tuning.eta_moving_mps
+        stood_at_m = total_m if self._stood_at_m is None else self._stood_at_m
+        return moving or abs(total_m - stood_at_m) > self._tuning.stop_radius_m
+
+
+def next_visits_m(route: Route, after_m: float) -> Floats:
+    """Where each stop is next reached beyond a distance, shape (stops,).
+
+    On a loop the distances go on over the laps; on an open route a stop behind is at infinity.
+    """
+    places_m = route.stop_distances_m
+    if not route.loop:
+        return np.where(places_m > after_m, places_m, math.inf)
+    laps = np.floor((after_m - places_m) / route.length_m) + 1.0
+    return np.asarray(places_m + laps * route.length_m)
