@@ -128,8 +128,8 @@ class Tuning(Strict, frozen=True, kw_only=True):
     # slope map
     map_bin_m: Annotated[float, Meta(ge=1.0, le=100.0)] = 20.0
     """Length of a new road's bins; papers/004 section 5.5 finds 20 m enough for main roads."""
-    map_slope_walk_pct_per_sqrt_m: Positive = 0.2
-    """Roads change their grade by 2 % in 100 m; rather too much, so that runs average well."""
+    map_slope_walk_pct_per_sqrt_m: Positive = 0.25
+    """Roads change their grade by 2 % in 100 m; a little more, so that runs average well."""
     map_gps_error_time_s: Positive = 60.0
     """Correlation time of an altitude's error: phones and car receivers wander 1.8 m in 10 s."""
     map_gps_white_share: Annotated[float, Meta(gt=0.0, lt=1.0)] = 0.1

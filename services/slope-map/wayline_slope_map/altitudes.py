@@ -1,0 +1,89 @@
+"""Pure: the altitude measurements of a run, each with an honest std, ready to be smoothed."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from wayline.air import metres_per_pascal, pressure_altitude_m
+from wayline.line import Floats
+from wayline.tuning import Tuning
+
+from wayline_slope_map.track import Altitude, Pressure, Track
+
+
+class Measured(NamedTuple):
+    """Altitudes of one sensor, shape (n,) each, in order of time."""
+
+    times_s: Floats
+    travelled_m: Floats
+    alt_m: Floats
+    std_m: Floats
+
+
+def gps_altitudes(track: Track, tuning: Tuning) -> Measured:
+    """GPS altitudes; those that the receiver itself hardly trusts (a cold start) are left out."""
+    usable = [
+        altitude
+        for altitude in _within(track, track.altitudes)
+        if altitude.std_m <= tuning.map_gps_std_max_m
+    ]
+    return _measured(track, usable)
+
+
+def barometer_altitudes(track: Track, tuning: Tuning) -> Measured:
+    """Altitudes in the standard atmosphere; none where the sensor's steps are too coarse.
+
+    Readings that do not change share one rounding error, so that n equal ones together weigh
+    like one.
+    """
+    readings = sorted(
+        reading
+        for reading in track.pressures
+        if track.start_ns <= reading.t_ns <= track.times_ns[-1]
+    )
+    step_pa = resolution_pa([reading.pressure_pa for reading in readings])
+    altitudes = []
+    for same in _equal_in_a_row(readings):
+        pressure_pa = same[0].pressure_pa
+        step_m = step_pa * metres_per_pascal(pressure_pa)
+        if step_m > tuning.map_barometer_step_max_m:
+            continue
+        rounding_m = step_m / math.sqrt(12.0) * math.sqrt(len(same))
+        std_m = math.hypot(rounding_m, tuning.map_barometer_std_m)
+        alt_m = pressure_altitude_m(pressure_pa)
+        altitudes += [Altitude(reading.t_ns, alt_m, std_m) for reading in same]
+    return _measured(track, altitudes)
+
+
+def resolution_pa(pressures_pa: list[float]) -> float:
+    """The step of a barometer: the greatest common divisor of its readings, in 0.1 Pa.
+
+    A single value says nothing and has itself as step.
+    """
+    return math.gcd(*(round(10.0 * pressure_pa) for pressure_pa in pressures_pa)) / 10.0
+
+
+def _equal_in_a_row(readings: list[Pressure]) -> list[list[Pressure]]:
+    groups: list[list[Pressure]] = []
+    for reading in readings:
+        if groups and groups[-1][0].pressure_pa == reading.pressure_pa:
+            groups[-1].append(reading)
+        else:
+            groups.append([reading])
+    return groups
+
+
+def _within(track: Track, altitudes: list[Altitude]) -> list[Altitude]:
+    """Those measured during the run, in order of time; a late fix may belong to the run before."""
+    last_ns = track.times_ns[-1]
+    return sorted(altitude for altitude in altitudes if track.start_ns <= altitude.t_ns <= last_ns)
+
+
+def _measured(track: Track, altitudes: list[Altitude]) -> Measured:
+    times_s = track.seconds([altitude.t_ns for altitude in altitudes])
+    return Measured(
+        times_s,
+        track.travelled_at(times_s),
+        np.array([altitude.alt_m for altitude in altitudes], dtype=np.float64),
+        np.array([altitude.std_m for altitude in altitudes], dtype=np.float64),
+    )

@@ -1,0 +1,168 @@
+"""Pure: one vehicle's slope map: collects its run, hands it over when it ends, looks ahead."""
+
+from collections.abc import Sequence
+
+import msgspec
+from wayline.core import Record
+from wayline.gps_quality import altitude_std_m
+from wayline.inputs import Flush, Tick
+from wayline.line import Line
+from wayline.messages import Barometer, GpsFix, Horizon, Message, Pose
+from wayline.tuning import Tuning
+
+from wayline_slope_map.matching import SPACING_M, Match, RoadIndex, chosen
+from wayline_slope_map.profile import RoadProfile, lookahead
+from wayline_slope_map.records import RoadLearned
+from wayline_slope_map.roads import check_same_route, route_road
+from wayline_slope_map.run import finished_runs
+from wayline_slope_map.track import Altitude, Place, Pressure, Track
+
+SECOND_NS = 1_000_000_000
+PLACED_MODES = ("gps", "fused", "dead_reckoning")
+FRESH_NS = 2 * SECOND_NS
+"""An older pose says where the vehicle was, not where it is."""
+LOST_AFTER_M = 150.0
+"""Travelled without a place on its road, the vehicle may have left it."""
+
+
+class SlopeMapCore:
+    """Reads poses, fixes and pressures of one vehicle; gives `horizon` and finished runs.
+
+    `profiles` are the roads known so far; `RoadLearned` inputs bring them up to date. With a
+    route, its line is the road wherever the vehicle follows it. Raises InputError if the route's
+    line is not the one that the profiles know by its id.
+    """
+
+    def __init__(
+        self,
+        profiles: Sequence[RoadProfile],
+        tuning: Tuning,
+        vehicle_id: str,
+        *,
+        route: Line | None = None,
+        route_id: str | None = None,
+        loop: bool = False,
+    ) -> None:
+        self._tuning, self._vehicle_id, self._route_id = tuning, vehicle_id, route_id
+        self._profiles = {profile.road.road_id: profile for profile in profiles}
+        if route is not None and route_id is not None:
+            road = route_road(route, route_id, loop=loop, bin_m=tuning.map_bin_m)
+            known = self._profiles.setdefault(route_id, RoadProfile(road, {}))
+            check_same_route(known.road, road)
+        self._index = RoadIndex(profile.road for profile in self._profiles.values())
+        self._track = Track()
+        self._pose: Pose | None = None
+
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:  # noqa: ARG002  # the slope is one whichever source
+        """Take one input and return what follows from it, in order."""
+        match message:
+            case Pose():
+                return self._take_pose(message)
+            case GpsFix():
+                self._take_fix(message)
+            case Barometer(pressure_pa=float(pressure_pa)):
+                self._track.pressures.append(Pressure(message.t_ns, pressure_pa))
+            case Tick() if message.t_ns % SECOND_NS == 0:
+                return [self._horizon(message.t_ns)]
+            case Flush():
+                return self._finish()
+            case RoadLearned():
+                self._learn(message.profile)
+        return []
+
+    def _take_pose(self, pose: Pose) -> Sequence[Record]:
+        last = self._pose
+        if last is not None and pose.t_ns < last.t_ns:
+            return []
+        ended = last is not None and self._ends_run(last, pose)
+        finished = self._finish() if ended else []
+        self._pose = pose
+        place = self._place(pose)
+        if place is not None and self._is_new_lap(place):
+            finished = self._finish()
+        self._track.travel(pose.t_ns, pose.distance_m)
+        if place is not None:
+            self._track.places.append(place)
+        return finished
+
+    def _ends_run(self, last: Pose, pose: Pose) -> bool:
+        """After a silence, after a restart of fusion, or because the run has grown long."""
+        silent = pose.t_ns - last.t_ns > self._tuning.map_gap_s * SECOND_NS
+        restarted = pose.distance_m < last.distance_m
+        start_m = self._track.travelled_m[0] if self._track.travelled_m else pose.distance_m
+        long = pose.distance_m - start_m > self._tuning.map_run_max_m
+        return silent or restarted or long
+
+    def _place(self, pose: Pose) -> Place | None:
+        """The pose as a place of the run, every 10 m and where it is known well enough."""
+        last = self._last_place()
+        moved_m = pose.distance_m - last.travelled_m if last else 0.0
+        if last is not None and moved_m < SPACING_M:
+            return None
+        if pose.lat_deg is None or pose.lon_deg is None or pose.heading_deg is None:
+            return None
+        std_m = max(pose.east_std_m or 0.0, pose.north_std_m or 0.0)
+        backwards = pose.speed_mps is not None and pose.speed_mps < 0.0
+        unsure = pose.mode not in PLACED_MODES or std_m > self._tuning.map_position_std_max_m
+        if backwards or unsure:
+            return None
+        near = self._index.near(pose.lat_deg, pose.lon_deg, pose.heading_deg)
+        match = chosen(near, last.match if last else None, moved_m, self._route_id)
+        return Place(
+            pose.t_ns, pose.distance_m, pose.lat_deg, pose.lon_deg, pose.heading_deg, match
+        )
+
+    def _last_place(self) -> Place | None:
+        return self._track.places[-1] if self._track.places else None
+
+    def _is_new_lap(self, place: Place) -> bool:
+        """Back by more than half of a road: its next lap, or its next run, has begun."""
+        last = self._last_place()
+        if last is None or last.match is None or place.match is None:
+            return False
+        if last.match[:2] != place.match[:2]:
+            return False
+        length_m = self._profiles[place.match.road_id].road.line.length_m
+        back_m = (last.match.along_m - place.match.along_m) * place.match.direction
+        return back_m > 0.5 * length_m
+
+    def _take_fix(self, fix: GpsFix) -> None:
+        if fix.valid and fix.alt_m is not None and fix.mode != 2:
+            std_m = altitude_std_m(fix, self._tuning)
+            self._track.altitudes.append(Altitude(fix.t_ns, fix.alt_m, std_m))
+
+    def _finish(self) -> Sequence[Record]:
+        """The runs of the track so far; a new track begins."""
+        track, self._track = self._track, Track()
+        roads = {road_id: profile.road for road_id, profile in self._profiles.items()}
+        return finished_runs(track, self._vehicle_id, roads, self._tuning)
+
+    def _learn(self, profile: RoadProfile) -> None:
+        self._profiles[profile.road.road_id] = profile
+        self._index.add(profile.road)
+
+    def _horizon(self, t_ns: int) -> Horizon:
+        here = self._here(t_ns)
+        if here is None:
+            return Horizon(t_ns=t_ns)
+        profile = self._profiles[here.road_id]
+        points = lookahead(
+            profile,
+            here.along_m,
+            here.direction,
+            length_m=self._tuning.horizon_length_m,
+            step_m=self._tuning.horizon_step_m,
+        )
+        return Horizon(t_ns=t_ns, road_id=here.road_id, position_m=here.along_m, points=points)
+
+    def _here(self, t_ns: int) -> Match | None:
+        """The place on a road, the last one carried on by the distance travelled since."""
+        last, pose = self._last_place(), self._pose
+        if last is None or last.match is None or pose is None or t_ns - pose.t_ns > FRESH_NS:
+            return None
+        moved_m = pose.distance_m - last.travelled_m
+        if moved_m > LOST_AFTER_M:
+            return None
+        length_m = self._profiles[last.match.road_id].road.line.length_m
+        along_m = last.match.along_m + last.match.direction * moved_m
+        return last.match._replace(along_m=min(max(along_m, 0.0), length_m))

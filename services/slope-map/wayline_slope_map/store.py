@@ -1,0 +1,158 @@
+"""Keeps the slope map in its database: merges each run once, into sums that do not grow."""
+
+import json
+from collections import defaultdict
+from collections.abc import Sequence
+
+import sqlalchemy as sa
+from sqlalchemy.dialects import postgresql, sqlite
+from wayline.core import Record
+from wayline.database import write_transaction
+
+from wayline_slope_map.profile import RoadProfile
+from wayline_slope_map.records import FinishedRun, RoadLearned
+from wayline_slope_map.roads import Road
+from wayline_slope_map.sums import BinEstimate, BinSums, estimate, run_sums
+from wayline_slope_map.tables import LEDGER, ROADS, SUMS
+
+FUSED = "fused"
+Estimates = dict[int, dict[int, BinEstimate]]
+
+
+class SlopeStore:
+    """The slope database on an engine from `open_database(url, "wayline_slope_map")`."""
+
+    def __init__(self, engine: sa.Engine) -> None:
+        self._engine = engine
+
+    def save(self, record: Record) -> Sequence[RoadLearned]:
+        """Merge a finished run; answers with its road as it is now known.
+
+        A run that the ledger holds already, or one that overlaps in time with a run of the same
+        vehicle, road and direction, changes nothing and has no answer.
+        """
+        if not isinstance(record, FinishedRun):
+            raise TypeError(f"the slope map keeps no {type(record).__name__}")
+        with write_transaction(self._engine) as connection:
+            if connection.dialect.name == "postgresql":
+                # two processes must not both find the ledger empty
+                connection.execute(sa.text("LOCK TABLE slope_ledger IN EXCLUSIVE MODE"))
+            if not _merge(connection, record):
+                return []
+            estimates = _estimates(connection, record.road.road_id)[record.road.road_id]
+        return [RoadLearned(RoadProfile(record.road, estimates))]
+
+    def load_roads(self) -> list[RoadProfile]:
+        """Every road with its fused bins, in order of id."""
+        with self._engine.connect() as connection:
+            roads = _roads(connection)
+            estimates = _estimates(connection)
+        return [RoadProfile(road, estimates[road.road_id]) for road in roads]
+
+
+def _merge(connection: sa.Connection, run: FinishedRun) -> bool:
+    known = connection.execute(
+        sa.select(ROADS.c.road_id).where(ROADS.c.road_id == run.road.road_id)
+    ).first()
+    if _is_counted(connection, run, on_any_road=known is None):
+        return False
+    if known is None:
+        connection.execute(sa.insert(ROADS).values(_road_row(run.road)))
+    connection.execute(
+        sa.insert(LEDGER).values(
+            vehicle_id=run.vehicle_id,
+            road_id=run.road.road_id,
+            direction=run.direction,
+            start_ns=run.start_ns,
+            end_ns=run.end_ns,
+        )
+    )
+    connection.execute(_adding(connection), _sum_rows(run))
+    return True
+
+
+def _is_counted(connection: sa.Connection, run: FinishedRun, *, on_any_road: bool) -> bool:
+    """Whether the ledger has a run of this vehicle at this time, here or on any road.
+
+    A new road that would be made of a time already counted is the same drive, cut otherwise.
+    """
+    overlapping = sa.select(LEDGER.c.start_ns).where(
+        LEDGER.c.vehicle_id == run.vehicle_id,
+        LEDGER.c.start_ns < run.end_ns,
+        LEDGER.c.end_ns > run.start_ns,
+    )
+    if not on_any_road:
+        overlapping = overlapping.where(
+            LEDGER.c.road_id == run.road.road_id, LEDGER.c.direction == run.direction
+        )
+    return connection.execute(overlapping.limit(1)).first() is not None
+
+
+def _sum_rows(run: FinishedRun) -> list[dict[str, object]]:
+    return [
+        {
+            "road_id": run.road.road_id,
+            "direction": run.direction,
+            "bin_index": run_bin.bin_index,
+            "sensor": run_bin.sensor,
+            **run_sums(
+                run_bin.grade_pct,
+                run_bin.grade_std_pct,
+                run_bin.alt_m,
+                run_bin.alt_std_m,
+                run.end_ns,
+            )._asdict(),
+        }
+        for run_bin in run.bins
+    ]
+
+
+def _adding(connection: sa.Connection) -> sa.Insert:
+    """Insert a bin's sums, or add them to those that are there; the later time stands."""
+    is_sqlite = connection.dialect.name == "sqlite"
+    insert = sqlite.insert(SUMS) if is_sqlite else postgresql.insert(SUMS)
+    greatest = sa.func.max if is_sqlite else sa.func.greatest
+    added = {name: SUMS.c[name] + insert.excluded[name] for name in BinSums._fields[:-1]}
+    later = greatest(SUMS.c.updated_ns, insert.excluded.updated_ns)
+    return insert.on_conflict_do_update(
+        index_elements=[SUMS.c.road_id, SUMS.c.direction, SUMS.c.bin_index, SUMS.c.sensor],
+        set_={**added, "updated_ns": later},
+    )
+
+
+def _estimates(connection: sa.Connection, road_id: str | None = None) -> dict[str, Estimates]:
+    query = sa.select(
+        SUMS.c.road_id,
+        SUMS.c.direction,
+        SUMS.c.bin_index,
+        *(SUMS.c[name] for name in BinSums._fields),
+    ).where(SUMS.c.sensor == FUSED)
+    if road_id is not None:
+        query = query.where(SUMS.c.road_id == road_id)
+    found: dict[str, Estimates] = defaultdict(lambda: defaultdict(dict))
+    for row_road_id, direction, bin_index, *sums in connection.execute(query):
+        found[row_road_id][direction][bin_index] = estimate(BinSums(*sums))
+    return found
+
+
+def _road_row(road: Road) -> dict[str, object]:
+    return {
+        "road_id": road.road_id,
+        "bin_m": road.bin_m,
+        "loop": road.loop,
+        "is_route": road.is_route,
+        "line": json.dumps(road.points),
+    }
+
+
+def _roads(connection: sa.Connection) -> list[Road]:
+    return [
+        Road(
+            row.road_id,
+            row.bin_m,
+            row.loop,
+            row.is_route,
+            tuple((lat_deg, lon_deg) for lat_deg, lon_deg in json.loads(row.line)),
+        )
+        for row in connection.execute(sa.select(ROADS).order_by(ROADS.c.road_id))
+    ]
