@@ -46,8 +46,8 @@ def route_from_csv(path: Path, route_id: str, name: str, *, loop: bool) -> Route
         if speed_at is not None:
             value = _number(path, number, row, speed_at, float("inf"))
             speeds_mps.append(value * SPEED_FACTORS[header[speed_at]])
-    if loop and points and points[0] != points[-1]:
-        points.append(points[0])
+    if loop and points:
+        points.append(points[0])  # closed already: a leg without length, which is dropped
     return make_route(
         str(path),
         route_id=route_id,

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
 from wayline.messages import StopArrival
 from wayline.route import Route
-
 from wayline_eta.stop_visits import next_visits_m
 
 Floats = NDArray[np.float64]

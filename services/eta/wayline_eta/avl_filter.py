@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from filterpy.kalman import KalmanFilter
 from numpy.typing import NDArray
+
 from wayline.geo import LocalPlane
 from wayline.line import Projection
 from wayline.route import Route

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
 from wayline.line import Line
 
 Floats = NDArray[np.float64]

@@ -1,14 +1,15 @@
 """Pure: poses (or fixes) of one vehicle into its progress and arrivals on the best route."""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import msgspec
+
 from wayline.core import Record
 from wayline.inputs import Tick
 from wayline.messages import Arrivals, GpsFix, Message, Pose
 from wayline.route import Route
 from wayline.tuning import Tuning
-
 from wayline_eta.arrivals import Outlook, predict_arrivals
 from wayline_eta.fix_follower import FixFollower
 from wayline_eta.route_follower import RouteFollower
@@ -23,6 +24,9 @@ class EtaCore:
     "avl" once a row of `gps_fix`. Nothing comes before the first match with a route, or without
     routes.
     """
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
+    period_ns: ClassVar[int | None] = SECOND_NS
 
     def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
         self._reference = tuning.route_filter == "avl"

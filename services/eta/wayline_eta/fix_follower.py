@@ -7,7 +7,6 @@ which lies beside the route; its speed is the planned one, as the filter has no 
 from wayline.messages import GpsFix, Progress
 from wayline.route import Route
 from wayline.tuning import Tuning
-
 from wayline_eta.arrivals import Outlook
 from wayline_eta.avl_filter import STEP_S, AvlRouteFilter, Estimate
 from wayline_eta.place_tracker import Place
@@ -104,6 +103,7 @@ class FixFollower:
 
 
 def _position(fix: GpsFix) -> tuple[float, float] | None:
-    if fix.repeat or not fix.valid or fix.lat_deg is None or fix.lon_deg is None:
+    """None for a repeat too: it is not valid."""
+    if not fix.valid or fix.lat_deg is None or fix.lon_deg is None:
         return None
     return fix.lat_deg, fix.lon_deg

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
 from wayline.messages import Pose
 from wayline.route import Route
-
 from wayline_eta.candidates import Candidates, locally_nearest
 
 Floats = NDArray[np.float64]

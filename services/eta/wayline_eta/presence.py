@@ -1,7 +1,6 @@
 """Pure: whether a vehicle is on its route, with hysteresis."""
 
 from wayline.tuning import Tuning
-
 from wayline_eta.place_tracker import Place
 
 MATCHES_TO_CHANGE = 2
@@ -29,9 +28,8 @@ class Presence:
         tuning, offset_m = self._tuning, abs(place.cross_track_m)
         known_m, turn_deg = place.across_std_m, place.turn_deg
         moving = abs(speed_mps) >= tuning.eta_moving_mps
-        if (
-            moving and turn_deg > WRONG_WAY_DEG
-        ) or offset_m > tuning.off_route_m + SIGMAS * known_m:
+        wrong_way = moving and turn_deg > WRONG_WAY_DEG
+        if wrong_way or offset_m > tuning.off_route_m + SIGMAS * known_m:
             self._good, self._bad = 0, self._bad + 1
         elif max(offset_m, known_m) <= tuning.on_route_m and turn_deg < SAME_WAY_DEG:
             self._good, self._bad = self._good + 1, 0

@@ -3,7 +3,6 @@
 from wayline.messages import Pose, Progress
 from wayline.route import Route
 from wayline.tuning import Tuning
-
 from wayline_eta.arrivals import Outlook
 from wayline_eta.place_tracker import Place, PlaceTracker, travelled_between_m
 from wayline_eta.presence import Presence

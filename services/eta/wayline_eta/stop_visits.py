@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
+
 from wayline.route import Route
 from wayline.tuning import Tuning
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+
 from wayline.errors import InputError
 from wayline.route import DEFAULT_SPEED_MPS
 from wayline_cli.route_import import route_from_csv

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
 from wayline.geo import LocalPlane
 from wayline.inputs import Tick
 from wayline.line import Line

@@ -1,6 +1,7 @@
 """Predictions from planned speeds and dwells."""
 
 import pytest
+
 from unit.eta.route_drives import SECOND_NS, SQUARE, START_NS, Metres, route_of
 from wayline.messages import StopArrival
 from wayline.route import Route

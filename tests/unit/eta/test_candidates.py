@@ -1,6 +1,7 @@
 """Every place of a line where a vehicle may be."""
 
 import pytest
+
 from unit.eta.route_drives import SPUR, SQUARE, TOWN, Metres, line_of
 from wayline_eta.candidates import locally_nearest
 

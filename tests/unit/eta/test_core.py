@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+
 from unit.eta.route_drives import (
     SECOND_NS,
     SPUR,
@@ -71,6 +72,17 @@ def test_standing_at_the_start_is_not_a_lap_nor_an_arrival() -> None:
     assert max(one.progress.distance_m for one in standing) < 15.0
     assert all(stop_ids(one) == ["s1", "s0"] for one in standing[5:])
     assert told[-1].progress.distance_m == pytest.approx(590.0, abs=15.0)
+
+
+def test_noise_at_standstill_does_not_take_progress_back() -> None:
+    line: list[Metres] = [(0, 0), (2000, 0)]
+    speeds = [10.0] * 50 + [0.0] * 200 + [10.0] * 50
+    told = follow(EtaCore([route_of(line)], TUNING), poses(line, speeds, noise_m=5.0))
+    distances_m = [one.progress.distance_m for one in told if one.true_m >= 450.0]
+    steps_m = np.diff(distances_m)
+    assert np.median(steps_m[:200]) == 0.0
+    # extrapolation to a tick is nil here, so any step back is the place's own
+    assert steps_m.min() >= 0.0
 
 
 DETOUR: list[Metres] = [(0, 0), (600, 0), (600, 300), (1400, 300), (1400, 0), (2500, 0)]
@@ -298,13 +310,20 @@ def test_the_reference_filter_answers_every_row_of_one_receiver() -> None:
     assert [stop.stop_id for stop in arrivals.stops] == ["s1", "s0"]
 
 
-def test_the_reference_filter_counts_laps() -> None:
+def test_the_reference_filter_counts_laps_and_predicts_over_the_start() -> None:
     route = route_of(SQUARE)
     core = EtaCore([route], Tuning(route_filter="avl"))
     laps = []
-    for pose, _ in poses(SQUARE, [10.0] * 420, laps=True):
-        fix = GpsFix(t_ns=pose.t_ns, valid=True, lat_deg=pose.lat_deg, lon_deg=pose.lon_deg)
+    for second, (pose, true_m) in enumerate(poses(SQUARE, [10.0] * 420, laps=True)):
+        seen = not 198 <= second <= 203
+        fix = GpsFix(
+            t_ns=pose.t_ns,
+            valid=seen,
+            lat_deg=pose.lat_deg if seen else None,
+            lon_deg=pose.lon_deg if seen else None,
+        )
         [progress, _] = core.handle(fix, "gps")
         assert isinstance(progress, Progress)
+        assert progress.lap * route.length_m + progress.distance_m == pytest.approx(true_m, abs=5)
         laps.append(progress.lap)
     assert [lap for lap, _ in itertools.groupby(laps)] == [0, 1, 2]

@@ -1,6 +1,7 @@
 """On and off the route, with hysteresis."""
 
 import pytest
+
 from wayline.tuning import Tuning
 from wayline_eta.place_tracker import Place
 from wayline_eta.presence import Presence

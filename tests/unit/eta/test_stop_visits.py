@@ -1,6 +1,7 @@
 """Which stops have been arrived at: stood at within 10 m, else passed."""
 
 import pytest
+
 from unit.eta.route_drives import SECOND_NS, SQUARE, Metres, route_of
 from wayline.route import Route
 from wayline.tuning import Tuning

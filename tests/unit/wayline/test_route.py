@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from wayline.errors import InputError
 from wayline.geo import LocalPlane
 from wayline.line import Line
@@ -62,6 +63,15 @@ def test_a_route_without_speeds_drives_at_the_default(tmp_path: Path) -> None:
     route = load_route(written(tmp_path, line))
     assert route.speeds_mps.tolist() == [DEFAULT_SPEED_MPS, DEFAULT_SPEED_MPS]
     assert (route.name, route.loop) == ("r", False)
+
+
+def test_a_leg_without_length_is_dropped_with_its_speed(tmp_path: Path) -> None:
+    line = feature(
+        "LineString", [LOOP[0], LOOP[0], LOOP[1], LOOP[2]], route_id="r", speeds_mps=[1, 2, 3]
+    )
+    route = load_route(written(tmp_path, line))
+    assert route.speeds_mps.tolist() == [2.0, 3.0]
+    assert route.line.legs_m.min() > 400.0
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,78 @@
+"""The likeliest place, where there is more than one."""
+
+import pytest
+
+from unit.eta.route_drives import SPUR, SQUARE, Metres, poses, route_of
+from wayline.messages import Pose
+from wayline_eta.place_tracker import Place, PlaceTracker, position_std_m, travelled_between_m
+
+
+def observe(tracker: PlaceTracker, pose: Pose) -> Place:
+    assert pose.lat_deg is not None
+    assert pose.lon_deg is not None
+    return tracker.observe(pose, pose.lat_deg, pose.lon_deg)
+
+
+def test_a_tie_is_a_vehicle_that_sets_out() -> None:
+    """On a spur's shared ground without a heading: on its way in."""
+    [(pose, _)] = poses(SPUR, [0.0], start_m=1200.0, headed=False)
+    assert observe(PlaceTracker(route_of(SPUR)), pose).total_m == pytest.approx(1200.0, abs=1.0)
+
+
+def test_a_wrong_first_guess_is_given_up_when_the_vehicle_moves() -> None:
+    """It is on its way out of the spur: the guess would have to go backwards."""
+    tracker = PlaceTracker(route_of(SPUR))
+    drive = poses(SPUR, [0.0] * 5 + [8.0] * 10, start_m=1500.0, headed=False, noise_m=2.0)
+    places_m = [observe(tracker, pose).total_m for pose, _ in drive]
+    assert places_m[0] == pytest.approx(1300.0, abs=8.0)
+    assert places_m[-1] == pytest.approx(drive[-1][1], abs=8.0)
+
+
+def test_a_heading_makes_the_first_guess_right() -> None:
+    [(pose, _)] = poses(SPUR, [0.0], start_m=1500.0)
+    assert observe(PlaceTracker(route_of(SPUR)), pose).total_m == pytest.approx(1500.0, abs=1.0)
+
+
+def test_a_first_place_just_before_the_start_of_a_loop_is_before_its_first_lap() -> None:
+    route = route_of(SQUARE)
+    [(pose, _)] = poses(SQUARE, [0.0], start_m=1996.0)
+    assert observe(PlaceTracker(route), pose).total_m == pytest.approx(-4.0, abs=0.5)
+    [(pose, _)] = poses(SQUARE, [0.0], start_m=1950.0)
+    assert observe(PlaceTracker(route), pose).total_m == pytest.approx(1950.0, abs=0.5)
+
+
+def test_a_short_cut_is_followed_at_once() -> None:
+    """A kilometre of the route left out: motion does not fit, but there is only one place."""
+    hairpin: list[Metres] = [(0, 0), (600, 0), (600, 300), (0, 300)]
+    cut: list[Metres] = [(0, 0), (100, 0), (100, 300), (0, 300)]
+    tracker = PlaceTracker(route_of(hairpin))
+    places = [observe(tracker, pose) for pose, _ in poses(cut, [10.0] * 46)]
+    assert places[8].total_m == pytest.approx(80.0, abs=1.0)
+    assert places[-1].total_m == pytest.approx(1450.0, abs=1.0)
+
+
+def pose(distance_m: float, speed_mps: float | None, t_s: int = 0) -> Pose:
+    return Pose(t_ns=t_s * 10**9, mode="fused", distance_m=distance_m, speed_mps=speed_mps)
+
+
+@pytest.mark.parametrize(
+    ("last", "now", "moved_m"),
+    [
+        (pose(100.0, 5.0), pose(107.0, 6.0, 1), 7.0),
+        (pose(100.0, 5.0), pose(103.0, -2.0, 1), -3.0),  # reversing: the distance still grows
+        (pose(900.0, 5.0), pose(4.0, 6.0, 2), 12.0),  # fusion has started anew
+        (pose(100.0, None), pose(107.0, None, 1), 7.0),
+    ],
+)
+def test_travelled_distance_has_the_sign_of_the_speed(
+    last: Pose, now: Pose, moved_m: float
+) -> None:
+    assert travelled_between_m(last, now) == pytest.approx(moved_m)
+
+
+def test_position_std_follows_the_axis_of_the_covariance() -> None:
+    known = Pose(t_ns=0, mode="fused", east_std_m=5.0, north_std_m=5.0, east_north_cov_m2=24.0)
+    assert position_std_m(known, 45.0) == pytest.approx(7.0)
+    assert position_std_m(known, 135.0) == pytest.approx(1.0)
+    assert position_std_m(known, None) == pytest.approx(5.0)
+    assert position_std_m(Pose(t_ns=0, mode="gps"), 45.0) == 5.0
