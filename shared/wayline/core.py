@@ -6,7 +6,7 @@ profile after a merge, say) goes back into the same core as an input.
 """
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import msgspec
 
@@ -19,6 +19,11 @@ class Record(msgspec.Struct, frozen=True, kw_only=True):
 
 class Core(Protocol):
     """One vehicle's estimator or translator."""
+
+    reads: ClassVar[frozenset[type[Message]]]
+    """Topics of the bus that it wants."""
+    period_ns: ClassVar[int | None]
+    """Spacing of the ticks that it wants; None for none."""
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
         """Take one input from a source and return what follows from it, in order."""

@@ -13,21 +13,19 @@ from wayline.messages import Message
 
 @dataclass(slots=True)
 class Node:
-    """A core with its name on the bus, what it reads, its grid and its store.
+    """A core with its name on the bus and its store.
 
     Live services and replay both run their cores through this, so they behave the same.
     """
 
     name: str
     core: Core
-    reads: frozenset[type[Message]] = frozenset()
-    period_ns: int | None = None
     store: Store | None = None
     _grid: TickGrid | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
-        if self.period_ns is not None:
-            self._grid = TickGrid(self.period_ns)
+        if self.core.period_ns is not None:
+            self._grid = TickGrid(self.core.period_ns)
 
     def take(self, message: Message, source: str) -> Iterator[Message]:
         """Give a bus message to the core, with the ticks that it makes due."""

@@ -18,7 +18,7 @@ class Pipeline:
         self._publish = publish
         self._readers: dict[type[Message], list[Node]] = {}
         for node in nodes:
-            for message_type in node.reads:
+            for message_type in node.core.reads:
                 self._readers.setdefault(message_type, []).append(node)
         self._last_ns = 0
 

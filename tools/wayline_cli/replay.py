@@ -6,6 +6,7 @@ from pathlib import Path
 
 import msgspec
 
+from wayline.database import open_database
 from wayline.drive import Drive, load_drive
 from wayline.messages import Message, Pose
 from wayline.node import Node
@@ -13,22 +14,16 @@ from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
 from wayline.route import Route, load_route
 from wayline_cli.stream import DriveStream, Outage, with_outages
-from wayline_dashboard.core import READS as DASHBOARD_READS
 from wayline_dashboard.core import DashboardCore
-from wayline_eta.core import PERIOD_NS as ETA_PERIOD_NS
-from wayline_eta.core import READS as ETA_READS
 from wayline_eta.core import EtaCore
-from wayline_fusion.core import PERIOD_NS as FUSION_PERIOD_NS
-from wayline_fusion.core import READS as FUSION_READS
 from wayline_fusion.core import FusionCore
-from wayline_slope_map.core import PERIOD_NS as SLOPE_PERIOD_NS
-from wayline_slope_map.core import READS as SLOPE_READS
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.store import SlopeStore
 
 Progressed = Callable[[float], None]
 """Called now and then with the seconds of the drive replayed so far."""
 REPORT_EVERY = 2_000
+IN_MEMORY = "sqlite://"
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
@@ -88,19 +83,22 @@ def replay(
 
 
 def build_nodes(drive: Drive, route: Route | None, database_url: str | None) -> list[Node]:
-    """The cores behind the ingest, each with what it reads, its grid and its store."""
-    vehicle_id = drive.drive.vehicle_id
-    store = SlopeStore.open(database_url) if database_url else SlopeStore.open("sqlite://")
+    """The cores behind the ingest; without a database what is learned goes with the replay."""
+    vehicle_id, tuning = drive.drive.vehicle_id, drive.tuning
+    store = SlopeStore(open_database(database_url or IN_MEMORY, "wayline_slope_map"))
     slope_map = SlopeMapCore(
-        store.load_roads(), drive.tuning, vehicle_id, route.line if route else None,
-        route.route_id if route else None,
+        store.load_roads(),
+        tuning,
+        vehicle_id,
+        route=route.line if route else None,
+        route_id=route.route_id if route else None,
+        loop=route.loop if route else False,
     )
-    routes = [route] if route else []
     return [
-        Node("fusion", FusionCore(drive.tuning), FUSION_READS, FUSION_PERIOD_NS),
-        Node("eta", EtaCore(routes, drive.tuning), ETA_READS, ETA_PERIOD_NS),
-        Node("slope-map", slope_map, SLOPE_READS, SLOPE_PERIOD_NS, store),
-        Node("dashboard", DashboardCore(vehicle_id), DASHBOARD_READS),
+        Node("fusion", FusionCore(tuning)),
+        Node("eta", EtaCore([route] if route else [], tuning)),
+        Node("slope-map", slope_map, store),
+        Node("dashboard", DashboardCore(vehicle_id)),
     ]
 
 

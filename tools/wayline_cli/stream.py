@@ -12,7 +12,7 @@ from wayline.avl_log import read_reports
 from wayline.can_log import CanLog
 from wayline.drive import AvlSource, CanSource, Drive, NmeaSource, Vehicle
 from wayline.errors import InputError
-from wayline.inputs import Flush
+from wayline.inputs import Flush, PositionReport
 from wayline.messages import GpsFix, Message
 from wayline.nmea_log import has_date, read_sentences
 from wayline_can_ingest.core import CanIngestCore
@@ -96,8 +96,8 @@ class DriveStream:
         self, source: AvlSource, vehicle: Vehicle, name: str
     ) -> Iterator[tuple[int, str, Message]]:
         core = GpsIngestCore(vehicle.gps_latency_s)
-        log = read_reports(source)
-        self._counters[name] = lambda: core.bad_input
+        log = _Readable(read_reports(source))
+        self._counters[name] = lambda: core.bad_input + log.bad_input
         return _translated(log, core.handle, name, lambda report, _: report.t_ns)
 
     def _can(
@@ -111,6 +111,21 @@ class DriveStream:
 
 
 Raw = TypeVar("Raw", bound=msgspec.Struct)
+
+
+class _Readable:
+    """Passes on the rows that could be read and counts the others."""
+
+    def __init__(self, rows: Iterable[PositionReport | None]) -> None:
+        self._rows = rows
+        self.bad_input = 0
+
+    def __iter__(self) -> Iterator[PositionReport]:
+        for row in self._rows:
+            if row is None:
+                self.bad_input += 1
+            else:
+                yield row
 
 
 def _translated(

@@ -1,13 +1,14 @@
 """Pure: CAN frames in, odometer, gyro, torque, barometer and gps_fix messages out."""
 
 from collections.abc import Iterator, Sequence
+from typing import ClassVar
 
 import msgspec
+
 from wayline.clock import SteadyClock
 from wayline.drive import CanSource, Vehicle
 from wayline.inputs import Flush, Frame, Tick
 from wayline.messages import TOPICS, Message
-
 from wayline_can_ingest.fix import SpreadFix
 from wayline_can_ingest.mapping import FramePlan, Mapping
 from wayline_can_ingest.quantity import Value
@@ -22,6 +23,9 @@ class CanIngestCore:
     Every `t_ns` has the source's clock offset added and the mapping's and receiver's latency
     taken off. Frames that nothing maps cost one look-up.
     """
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset()
+    period_ns: ClassVar[int | None] = None
 
     def __init__(self, source: CanSource, mapping: Mapping, vehicle: Vehicle) -> None:
         self._source = source

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import cantools
 from cantools.database.can import Database
+
 from wayline.errors import InputError
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 
 from wayline.messages import GpsFix, Message
-
 from wayline_can_ingest.quantity import Extractor, Value
 
 LONGEST_SPREAD_NS = 50_000_000

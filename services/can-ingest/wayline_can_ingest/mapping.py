@@ -7,10 +7,10 @@ from cantools.database.can import Database
 from cantools.database.can import Message as DbcMessage
 from cantools.database.can.signal import Signal
 from cantools.database.errors import DecodeError
+
 from wayline.drive import CanSource, Vehicle
 from wayline.errors import InputError
 from wayline.inputs import Frame
-
 from wayline_can_ingest.quantity import (
     QUANTITIES,
     Extractor,

@@ -6,6 +6,7 @@ from typing import Any, Literal, get_args, get_origin
 
 import msgspec
 from cantools.database.can import Message as DbcMessage
+
 from wayline.drive import Condition, SignalMapping
 from wayline.messages import TOPICS, field_types
 

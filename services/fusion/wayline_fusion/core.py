@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import msgspec
+
 from wayline.air import metres_per_pascal, pressure_altitude_m
 from wayline.gps_quality import altitude_std_m, horizontal_std_m
 from wayline.inputs import Tick
@@ -20,7 +22,7 @@ from wayline.messages import (
     Verdict,
 )
 from wayline.tuning import Tuning
-
+from wayline_fusion.displacement import Displacement
 from wayline_fusion.estimator import Estimator, Snapshot
 from wayline_fusion.events import Event, Fix, Step, WheelSpeed
 from wayline_fusion.horizontal import States
@@ -29,17 +31,18 @@ from wayline_fusion.timeline import Timeline
 from wayline_fusion.vertical import States as VerticalStates
 from wayline_fusion.vertical import VerticalFilter
 
-PERIOD_NS = 100_000_000
 SECOND_NS = 1_000_000_000
 OUTAGE_NS = 2_000_000_000
 """Without an accepted fix this long, the pose is dead reckoning (SPEC section 2)."""
 LOST_STD_M = 100.0
 KMH_MPS = 1.0 / 3.6
-READS = frozenset({GpsFix, Odometer, Gyro, Barometer})
 
 
 class FusionCore:
-    """One vehicle's pose. Ticks come every `PERIOD_NS` of measurement time."""
+    """One vehicle's pose, ten times a second with CAN, else once a fix."""
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({GpsFix, Odometer, Gyro, Barometer})
+    period_ns: ClassVar[int | None] = 100_000_000
 
     def __init__(self, tuning: Tuning) -> None:
         self._tuning = tuning
@@ -51,6 +54,7 @@ class FusionCore:
             round(tuning.late_measurement_s * 1e9),
         )
         self._vertical = VerticalFilter(tuning)
+        self._displacement = Displacement()
         self._wheel_steps = Resolution(1e-4)
         self._pressure_steps = Resolution(0.1)
         self._pressure_altitude_m: float | None = None
@@ -100,19 +104,7 @@ class FusionCore:
         if not fix.valid or fix.lat_deg is None or fix.lon_deg is None:
             return ()
         self._fix_ns = fix.t_ns
-        course, std = fix.course_deg, fix.course_std_deg
-        self._add(
-            Fix(
-                fix.t_ns,
-                fix.lat_deg,
-                fix.lon_deg,
-                horizontal_std_m(fix, self._tuning),
-                fix.speed_mps,
-                fix.speed_std_mps or self._tuning.gps_speed_std_mps,
-                None if course is None else math.radians(course),
-                None if std is None else math.radians(std),
-            )
-        )
+        self._add(self._fix_event(fix, fix.lat_deg, fix.lon_deg))
         self._collect_verdicts()
         if fix.alt_m is not None and "gps" in self._tuning.vertical_sensors:
             self._climb()
@@ -121,6 +113,25 @@ class FusionCore:
             return [self._status(fix.t_ns)]
         self._pose_ns = fix.t_ns
         return [self._pose(), self._status(fix.t_ns)]
+
+    def _fix_event(self, fix: GpsFix, lat_deg: float, lon_deg: float) -> Fix:
+        position_std_m = horizontal_std_m(fix, self._tuning)
+        speed_mps, speed_std_mps = fix.speed_mps, fix.speed_std_mps
+        course_deg, course_std_deg = fix.course_deg, fix.course_std_deg
+        if speed_mps is None and (motion := self._displacement.motion(fix, position_std_m)):
+            speed_mps, speed_std_mps = motion.speed_mps, motion.speed_std_mps
+            if course_deg is None:
+                course_deg, course_std_deg = motion.course_deg, motion.course_std_deg
+        return Fix(
+            fix.t_ns,
+            lat_deg,
+            lon_deg,
+            position_std_m,
+            speed_mps,
+            speed_std_mps or self._tuning.gps_speed_std_mps,
+            None if course_deg is None else math.radians(course_deg),
+            None if course_std_deg is None else math.radians(course_std_deg),
+        )
 
     def _barometer(self, barometer: Barometer) -> None:
         pressure_pa = barometer.pressure_pa

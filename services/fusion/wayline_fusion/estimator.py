@@ -4,10 +4,10 @@ import math
 from typing import NamedTuple
 
 import msgspec
+
 from wayline.geo import LocalPlane, wrap_360
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
-
 from wayline_fusion.events import Event, Fix, WheelSpeed
 from wayline_fusion.gate import judge
 from wayline_fusion.gyro_track import GyroTrack

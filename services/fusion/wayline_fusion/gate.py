@@ -3,6 +3,7 @@
 from functools import cache
 
 from scipy.special import chdtri
+
 from wayline.messages import Verdict
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 from numpy.typing import NDArray
+
 from wayline.geo import wrap_pi
 from wayline.tuning import Tuning
 

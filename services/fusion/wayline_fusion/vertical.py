@@ -10,6 +10,7 @@ from enum import IntEnum
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
+
 from wayline.tuning import Tuning
 
 
