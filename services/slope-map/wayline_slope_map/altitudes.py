@@ -4,10 +4,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+
 from wayline.air import metres_per_pascal, pressure_altitude_m
 from wayline.line import Floats
 from wayline.tuning import Tuning
-
 from wayline_slope_map.track import Altitude, Pressure, Track
 
 

@@ -1,15 +1,16 @@
 """Pure: one vehicle's slope map: collects its run, hands it over when it ends, looks ahead."""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import msgspec
+
 from wayline.core import Record
 from wayline.gps_quality import altitude_std_m
 from wayline.inputs import Flush, Tick
 from wayline.line import Line
 from wayline.messages import Barometer, GpsFix, Horizon, Message, Pose
 from wayline.tuning import Tuning
-
 from wayline_slope_map.matching import SPACING_M, Match, RoadIndex, chosen
 from wayline_slope_map.profile import RoadProfile, lookahead
 from wayline_slope_map.records import RoadLearned
@@ -32,6 +33,9 @@ class SlopeMapCore:
     route, its line is the road wherever the vehicle follows it. Raises InputError if the route's
     line is not the one that the profiles know by its id.
     """
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix, Barometer})
+    period_ns: ClassVar[int | None] = SECOND_NS
 
     def __init__(
         self,

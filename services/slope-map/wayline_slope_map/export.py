@@ -1,12 +1,12 @@
 """The slope database as rows for people and programs, one a bin and direction (SPEC section 4)."""
 
-import datetime as dt
 from collections.abc import Iterator
 from typing import NamedTuple
 
 import sqlalchemy as sa
-from wayline.geo import wrap_360
 
+from wayline.geo import wrap_360
+from wayline.rfc3339 import rfc3339
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.store import SlopeStore
 from wayline_slope_map.sums import BinEstimate
@@ -51,10 +51,5 @@ def _row(profile: RoadProfile, direction: int, bin_index: int, known: BinEstimat
         grade_std_pct=round(known.grade_std_pct, 3),
         alt_m=round(known.alt_m, 2),
         runs=known.runs,
-        updated=_rfc3339(known.updated_ns),
+        updated=rfc3339(known.updated_ns),
     )
-
-
-def _rfc3339(t_ns: int) -> str:
-    moment = dt.datetime.fromtimestamp(t_ns // 1_000_000_000, tz=dt.UTC)
-    return f"{moment:%Y-%m-%dT%H:%M:%S}.{t_ns // 1_000_000 % 1000:03d}Z"

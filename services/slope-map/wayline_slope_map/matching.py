@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from wayline.geo import metres_per_degree, wrap_180
 
+from wayline.geo import metres_per_degree, wrap_180
 from wayline_slope_map.roads import Road
 
 SPACING_M = 10.0

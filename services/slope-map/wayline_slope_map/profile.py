@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from wayline.messages import HorizonPoint
-
 from wayline_slope_map.roads import Road
 from wayline_slope_map.sums import BinEstimate
 
@@ -31,7 +30,7 @@ def lookahead(
         along_m = position_m + direction * ahead_m
         if road.loop:
             along_m %= road.line.length_m
-        points.append(_point(ahead_m, bins.get(int(along_m // road.bin_m))))
+        points.append(_point(ahead_m, bins.get(road.bin_at(along_m))))
     return tuple(points)
 
 

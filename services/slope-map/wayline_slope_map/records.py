@@ -3,8 +3,8 @@
 from typing import Literal
 
 import msgspec
-from wayline.core import Record
 
+from wayline.core import Record
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.roads import Road
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+
 from wayline.errors import InputError
 from wayline.geo import metres_per_degree
 from wayline.line import Floats, Line
@@ -41,6 +42,15 @@ class Road:
     def bins(self) -> int:
         """Bins whose centre lies on the line."""
         return int(self.line.length_m / self.bin_m + 0.5)
+
+    def bin_at(self, distance_m: float) -> int:
+        """The bin of a distance along the line; a rest shorter than half a bin is the last bin's.
+
+        Beyond the line it is a bin that does not exist.
+        """
+        if 0.0 <= distance_m <= self.line.length_m:
+            return min(int(distance_m // self.bin_m), self.bins - 1)
+        return -1
 
     def centre_m(self, bin_index: int) -> float:
         """Distance along the line of a bin's centre."""

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+
 from wayline.line import Floats
 from wayline.tuning import Tuning
-
 from wayline_slope_map.altitudes import Measured, barometer_altitudes, gps_altitudes
 from wayline_slope_map.records import FinishedRun, RunBin, Sensor
 from wayline_slope_map.roads import Road

@@ -18,9 +18,9 @@ from typing import NamedTuple
 import numpy as np
 from filterpy.kalman import KalmanFilter
 from numpy.typing import NDArray
+
 from wayline.line import Floats
 from wayline.tuning import Tuning
-
 from wayline_slope_map.altitudes import Measured
 
 ALTITUDE, SLOPE, GPS_ERROR, BARO_BIAS = range(4)

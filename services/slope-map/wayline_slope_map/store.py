@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
+
 from wayline.core import Record
 from wayline.database import write_transaction
-
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.records import FinishedRun, RoadLearned
 from wayline_slope_map.roads import Road

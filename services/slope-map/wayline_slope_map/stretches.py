@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from wayline.line import Floats
 
+from wayline.line import Floats
 from wayline_slope_map.matching import SPACING_M, Match, RoadIndex, chosen
 from wayline_slope_map.roads import Road, made_road
 from wayline_slope_map.track import Place

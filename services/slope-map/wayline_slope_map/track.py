@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from wayline.line import Floats
 
+from wayline.line import Floats
 from wayline_slope_map.matching import Match
 
 TRACK_STEP_NS = 400_000_000

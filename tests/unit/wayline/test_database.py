@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
+
 from wayline.database import open_database, write_transaction
 from wayline.errors import InputError
 from wayline_slope_map.tables import METADATA
@@ -95,6 +96,15 @@ def test_what_was_committed_survives_kill(tmp_path: Path) -> None:
         assert connection.exec_driver_sql("PRAGMA integrity_check").scalar() == "ok"
     engine.dispose()
     assert kept in (acknowledged + 1, acknowledged + 2)
+
+
+def test_a_database_in_memory_lives_as_long_as_its_engine() -> None:
+    engine = open_database("sqlite://", PACKAGE)
+    with write_transaction(engine) as connection:
+        connection.exec_driver_sql(ROAD.format("x"))
+    with engine.connect() as connection:
+        assert connection.exec_driver_sql("SELECT count(*) FROM slope_road").scalar() == 1
+    engine.dispose()
 
 
 @pytest.mark.parametrize(
