@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
 from wayline.geo import metres_per_degree
 from wayline.route import Route, load_route
 from wayline_cli.route_import import route_from_csv

@@ -52,7 +52,7 @@ class ByPose:
     """
 
     def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
-        self._tuning = tuning
+        self._routes, self._tuning = routes, tuning
         self._followers = [RouteFollower(route, tuning) for route in routes]
         self._current: RouteFollower | None = None
         self._pose: Pose | None = None
@@ -91,7 +91,15 @@ class ByPose:
                 follower.observe(pose, pose.lat_deg, pose.lon_deg)
         matching = [follower for follower in self._followers if follower.on_route]
         if matching:
-            self._current = min(matching, key=lambda follower: follower.offset_m)
+            self._choose(min(matching, key=lambda one: (one.ended, one.offset_m)))
+
+    def _choose(self, chosen: RouteFollower) -> None:
+        """Follow one; the others are unseen from now on, so they start afresh when next asked."""
+        self._current = chosen
+        self._followers = [
+            chosen if chosen.route is route else RouteFollower(route, self._tuning)
+            for route in self._routes
+        ]
 
 
 class ByFix:

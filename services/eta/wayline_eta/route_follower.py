@@ -18,7 +18,7 @@ class RouteFollower:
     """The default route filter: place by `PlaceTracker`, going on at the vehicle's speed."""
 
     def __init__(self, route: Route, tuning: Tuning) -> None:
-        self.route = route
+        self.route, self._tuning = route, tuning
         self._tracker = PlaceTracker(route)
         self._presence = Presence(tuning)
         self._visits = StopVisits(route, tuning)
@@ -35,6 +35,12 @@ class RouteFollower:
     def offset_m(self) -> float:
         """How far from the route the vehicle is, either side."""
         return abs(self._place.cross_track_m) if self._place else float("inf")
+
+    @property
+    def ended(self) -> bool:
+        """The vehicle is at the end of an open route: it may be about to start another."""
+        at_m = self._place.total_m if self._place else 0.0
+        return not self.route.loop and at_m > self.route.length_m - self._tuning.stop_radius_m
 
     def observe(self, pose: Pose, lat_deg: float, lon_deg: float) -> None:
         """Take the next pose with its position in degrees; older and repeated ones are ignored."""

@@ -186,6 +186,24 @@ def test_a_parallel_route_is_not_taken_for_the_nearer_one() -> None:
     assert {one.progress.route_id for one in told} == {"near"}
 
 
+def test_a_route_that_matched_once_is_no_refuge_during_a_detour() -> None:
+    """Both match at first; when the followed one is left, the other must match anew."""
+    straight, short = [(0.0, 0.0), (2500.0, 0.0)], [(0.0, 10.0), (400.0, 10.0)]
+    routes = [route_of(straight, route_id="a"), route_of(short, route_id="b")]
+    told = follow(EtaCore(routes, TUNING), poses(DETOUR, [10.0] * 300))
+    assert {one.progress.route_id for one in told} == {"a"}
+    assert not any(one.progress.on_route for one in told if 720.0 <= one.true_m <= 1920.0)
+
+
+def test_at_a_terminal_the_route_that_begins_is_preferred_to_the_one_that_ends() -> None:
+    east, west = [(0.0, 0.0), (2000.0, 0.0)], [(2000.0, 0.0), (0.0, 0.0)]
+    routes = [route_of(east, route_id="east"), route_of(west, route_id="west", stops_m=[700.0])]
+    parked = poses(west, [0.0] * 10, headed=False)
+    told = follow(EtaCore(routes, TUNING), parked)
+    assert {one.progress.route_id for one in told} == {"west"}
+    assert stop_ids(told[-1]) == ["s0"]
+
+
 def parked_core() -> tuple[EtaCore, int]:
     line: list[Metres] = [(0, 0), (2000, 0)]
     core = EtaCore([route_of(line, stops_m=[1000.0])], TUNING)
