@@ -106,8 +106,8 @@ def _number(text: str | None) -> float | None:
 def _time_ns(text: str, zone: zoneinfo.ZoneInfo, last_ns: int) -> int | None:
     unix = _number(text)
     if unix is not None:
-        scale = 1_000_000 if unix >= MILLISECONDS_FROM else 1_000_000_000
-        return round(unix * scale) if 0.0 <= unix < 1e14 else None
+        per_unit = 1_000 if unix >= MILLISECONDS_FROM else 1_000_000
+        return round(unix * per_unit) * 1_000 if 0.0 <= unix < 1e14 else None
     try:
         written = dt.datetime.fromisoformat(text.strip())
     except ValueError:

@@ -2,11 +2,12 @@
 
 import datetime as dt
 from collections import Counter
+from typing import ClassVar
 
 import msgspec
+
 from wayline.inputs import Flush, PositionReport, Sentence, Tick
 from wayline.messages import GpsFix, Message
-
 from wayline_gps_ingest.cycle import EpochAssembler
 from wayline_gps_ingest.decode import decode
 from wayline_gps_ingest.epoch import Epoch
@@ -18,8 +19,6 @@ from wayline_gps_ingest.waiting import WaitingRoom
 
 WAIT_NS = SECOND_NS
 """An epoch is complete when nothing more of it came for this long."""
-SKY_PERIOD_NS = SECOND_NS * 9 // 10
-"""The sky travels once a second; the margin allows for epochs that are not quite 1 s apart."""
 
 
 class GpsIngestCore:
@@ -33,6 +32,9 @@ class GpsIngestCore:
     fix is not believed before a fix has confirmed it, or input has ended.
     """
 
+    reads: ClassVar[frozenset[type[Message]]] = frozenset()
+    period_ns: ClassVar[int | None] = None
+
     def __init__(self, gps_latency_s: float = 0.0, date: dt.date | None = None) -> None:
         self._latency_ns = round(gps_latency_s * SECOND_NS)
         self._assembler = EpochAssembler()
@@ -43,7 +45,7 @@ class GpsIngestCore:
         self._checked = False
         self._day_known = date is not None
         self._arrival_ns: int | None = None
-        self._sky_ns: int | None = None
+        self._sky_second: int | None = None
 
     @property
     def faults(self) -> dict[str, int]:
@@ -140,8 +142,9 @@ class GpsIngestCore:
         if t_ns is None:
             return []
         messages: list[Message] = [msgspec.structs.replace(fix, t_ns=t_ns)]
-        if epoch.in_view and (self._sky_ns is None or t_ns - self._sky_ns >= SKY_PERIOD_NS):
-            self._sky_ns = t_ns
+        if epoch.in_view and t_ns // SECOND_NS != self._sky_second:
+            # once in a whole second, whatever the receiver's rate
+            self._sky_second = t_ns // SECOND_NS
             messages.append(epoch.sky.message(t_ns))
         return messages
 

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple, TypedDict
 
 from wayline.messages import FixKind
-
 from wayline_gps_ingest.fields import (
     MPS_PER_KMPH,
     MPS_PER_KNOT,
@@ -129,7 +128,8 @@ def _rmc(parsed: Parsed, fields: list[str]) -> Observation:
 
 
 def _gll(parsed: Parsed, fields: list[str]) -> Observation:
-    facts = _position(fields[0:4], valid=fields[5] == "A")
+    # before NMEA 0183 2.0 a position was sent without a status
+    facts = _position(fields[0:4], valid=fields[5] == "A" or len(parsed.fields) < 6)
     facts["gll_valid"] = "lat_deg" in facts
     if fields[6] in MODES:
         facts["mode_fix"] = MODES[fields[6]]
@@ -161,13 +161,13 @@ def _gsa(parsed: Parsed, fields: list[str]) -> Observation:
         value = positive(text)
         if value is not None:
             facts[name] = value
-    key = f"{parsed.talker}GSA{fields[17]}"
+    key = f"{parsed.talker}GSA{fields[17][:1]}"
     return Observation(key, "GSA", None, facts, parsed.fields, parsed.talker)
 
 
 def _gsv(parsed: Parsed, fields: list[str]) -> Observation:
     rest = (len(parsed.fields) - 3) % 4
-    signal = parsed.fields[-1] if rest == 1 else ""
+    signal = parsed.fields[-1][:1] if rest == 1 else ""
     end = "" if fields[0] == fields[1] else "+"
     key = f"{parsed.talker}GSV{signal}{end}"
     return Observation(key, "GSV", None, Facts(), parsed.fields, parsed.talker)

@@ -3,7 +3,6 @@
 from typing import Literal
 
 from wayline.messages import FixKind, GpsFix
-
 from wayline_gps_ingest.decode import Facts, Observation
 from wayline_gps_ingest.sky import Sky
 
@@ -116,7 +115,7 @@ class Epoch:
     def _satellites(self) -> int | None:
         """In use; GGA counts to 12 in many receivers, GSA lists them all."""
         told = self.facts.get("satellites")
-        listed = self._sky.used_count if self._sky else 0
+        listed = len(self._sky.used()) if self._sky else 0
         return max(told, listed) if told is not None else listed or None
 
 

@@ -1,9 +1,9 @@
 """Pure: satellites in view (GSV) and in use (GSA) of one epoch."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 from wayline.messages import GpsSky, Satellite
-
 from wayline_gps_ingest.decode import Observation
 from wayline_gps_ingest.fields import bearing_deg, count, number, positive
 
@@ -37,83 +37,89 @@ SYSTEMS_BY_PRN = (
 )
 
 
+SENTENCES_MAX = 64
+"""More than a receiver sends an epoch; one that never tells the time must not fill memory."""
+
+Key = tuple[str, int]
+
+
 class Sky:
-    """Collects an epoch's GSV and GSA sentences of every constellation."""
+    """Collects an epoch's GSV and GSA sentences of every constellation, reads them when asked."""
 
     def __init__(self) -> None:
-        self._in_view: dict[tuple[str, int], Satellite] = {}
-        self._used: set[tuple[str, int]] = set()
-
-    @property
-    def used_count(self) -> int:
-        """Satellites in use."""
-        return len(self._used)
+        self._sentences: list[Observation] = []
 
     def add(self, observation: Observation) -> None:
         """Take a GSV or GSA sentence."""
-        if observation.kind == "GSA":
-            self._add_used(observation.talker, observation.fields)
-        else:
-            self._add_in_view(observation.talker, observation.fields)
+        if len(self._sentences) < SENTENCES_MAX:
+            self._sentences.append(observation)
 
     def merge(self, later: "Sky") -> None:
         """Add what came in a second burst."""
-        self._in_view |= later._in_view
-        self._used |= later._used
+        for observation in later._sentences:
+            self.add(observation)
+
+    def used(self) -> set[Key]:
+        """System and number of the satellites in use."""
+        keys: set[Key] = set()
+        for observation in self._sentences:
+            if observation.kind == "GSA":
+                keys |= _used(observation.talker, observation.fields)
+        return keys
 
     def message(self, t_ns: int) -> GpsSky:
         """The satellites in view, by system and number."""
-        used = self._used
-        return GpsSky(
-            t_ns=t_ns,
-            satellites=tuple(
-                Satellite(
-                    system=satellite.system,
-                    prn=satellite.prn,
-                    elevation_deg=satellite.elevation_deg,
-                    azimuth_deg=satellite.azimuth_deg,
-                    snr_dbhz=satellite.snr_dbhz,
-                    used=key in used,
-                )
-                for key, satellite in sorted(self._in_view.items())
-            ),
-        )
-
-    def _add_used(self, talker: str, fields: Sequence[str]) -> None:
-        system_id = fields[17] if len(fields) > 17 else ""
-        for text in fields[2:14]:
-            prn = count(text)
-            if prn:
-                self._used.add((system_of(talker, system_id, prn), prn))
-
-    def _add_in_view(self, talker: str, fields: Sequence[str]) -> None:
-        for start in range(3, len(fields) - 3, 4):
-            prn = count(fields[start])
-            if prn:
-                self._see(system_of(talker, "", prn), prn, fields[start + 1 : start + 4])
-
-    def _see(self, system: str, prn: int, fields: Sequence[str]) -> None:
-        elevation_deg = number(fields[0])
-        if elevation_deg is not None and not -90.0 <= elevation_deg <= 90.0:
-            elevation_deg = None
-        snr_dbhz = positive(fields[2])
-        known = self._in_view.get((system, prn))
-        # a satellite heard on several signals is listed once a signal
-        if known and (known.snr_dbhz or 0.0) >= (snr_dbhz or 0.0):
-            return
-        self._in_view[system, prn] = Satellite(
-            system=system,
-            prn=prn,
-            elevation_deg=elevation_deg,
-            azimuth_deg=bearing_deg(fields[1]),
-            snr_dbhz=snr_dbhz,
-        )
+        used = self.used()
+        in_view: dict[Key, Satellite] = {}
+        for observation in self._sentences:
+            if observation.kind == "GSV":
+                for satellite in _in_view(observation.talker, observation.fields, used):
+                    _keep_stronger(in_view, satellite)
+        return GpsSky(t_ns=t_ns, satellites=tuple(in_view[key] for key in sorted(in_view)))
 
 
+def _used(talker: str, fields: Sequence[str]) -> set[Key]:
+    system_id = fields[17] if len(fields) > 17 else ""
+    numbers = (count(text) for text in fields[2:14] if text)
+    return {(system_of(talker, system_id, prn), prn) for prn in numbers if prn}
+
+
+def _in_view(talker: str, fields: Sequence[str], used: set[Key]) -> Iterator[Satellite]:
+    for start in range(3, len(fields) - 3, 4):
+        prn = count(fields[start])
+        if prn:
+            system = system_of(talker, "", prn)
+            yield Satellite(
+                system=system,
+                prn=prn,
+                elevation_deg=_elevation_deg(fields[start + 1]),
+                azimuth_deg=bearing_deg(fields[start + 2]),
+                snr_dbhz=positive(fields[start + 3]),
+                used=(system, prn) in used,
+            )
+
+
+def _keep_stronger(in_view: dict[Key, Satellite], satellite: Satellite) -> None:
+    """A satellite heard on several signals is listed once a signal: the strongest stands."""
+    key = satellite.system, satellite.prn
+    known = in_view.get(key)
+    if known is None or (known.snr_dbhz or 0.0) < (satellite.snr_dbhz or 0.0):
+        in_view[key] = satellite
+
+
+def _elevation_deg(text: str) -> float | None:
+    value = number(text)
+    return value if value is not None and -90.0 <= value <= 90.0 else None
+
+
+@lru_cache(maxsize=1024)
 def system_of(talker: str, system_id: str, prn: int) -> str:
-    """Constellation of a satellite: by the id of NMEA 0183 4.11, the talker, else its number."""
-    system = SYSTEMS_BY_ID.get(system_id) or SYSTEMS_BY_TALKER.get(talker)
-    if system == "gps" or system is None:
-        by_number = next((name for low, high, name in SYSTEMS_BY_PRN if low <= prn <= high), None)
-        return by_number or system or "unknown"
-    return system
+    """Constellation of a satellite: by the id of NMEA 0183 4.11, the talker, else its number.
+
+    Under GP and GN receivers list satellites of other systems too, told apart by number.
+    """
+    told = SYSTEMS_BY_ID.get(system_id) or SYSTEMS_BY_TALKER.get(talker)
+    if told and told != "gps":
+        return told
+    by_number = next((name for low, high, name in SYSTEMS_BY_PRN if low <= prn <= high), None)
+    return by_number or told or "unknown"

@@ -1,0 +1,144 @@
+"""Days come from the receiver or the drive file, never from today, and time does not go back."""
+
+import datetime as dt
+
+import pytest
+
+from unit.gps_ingest.receiver import fixes, flush, gga, hear, line, rmc
+from wayline_gps_ingest.core import GpsIngestCore
+from wayline_gps_ingest.timeline import SECOND_NS, SteadyClock
+
+
+def instant_ns(text: str) -> int:
+    return round(dt.datetime.fromisoformat(f"{text}+00:00").timestamp()) * SECOND_NS
+
+
+def test_gga_before_the_first_rmc_waits_for_its_date() -> None:
+    core = GpsIngestCore()
+    assert hear(core, [gga("120000"), gga("120001")]) == []
+    out = fixes(hear(core, [rmc("120001")]) + flush(core))
+    assert [fix.t_ns for fix in out] == [
+        instant_ns("1994-03-23 12:00:00"),
+        instant_ns("1994-03-23 12:00:01"),
+    ]
+    assert core.bad_input == 0
+
+
+def test_fixes_long_before_the_first_date_are_dropped_and_counted() -> None:
+    core = GpsIngestCore()
+    hear(core, [gga("115900"), gga("115959"), rmc("120000")])
+    assert len(fixes(flush(core))) == 2
+    assert core.faults == {"undated": 1}
+
+
+def test_a_log_without_a_date_publishes_nothing_and_says_so() -> None:
+    core = GpsIngestCore()
+    assert hear(core, [gga("120000"), gga("120001")]) + flush(core) == []
+    assert core.undated
+    assert core.faults == {"undated": 2}
+
+
+def test_a_dated_log_is_not_called_undated() -> None:
+    core = GpsIngestCore()
+    hear(core, [gga("110000"), rmc("120000")])
+    flush(core)
+    assert core.faults == {"undated": 1}
+    assert not core.undated
+
+
+def test_a_given_date_is_the_day_of_the_first_sentence_and_midnight_is_followed() -> None:
+    core = GpsIngestCore(date=dt.date(2011, 4, 30))
+    out = fixes(hear(core, [gga("235959"), gga("000000"), gga("000001")]) + flush(core))
+    assert [fix.t_ns for fix in out] == [
+        instant_ns("2011-04-30 23:59:59"),
+        instant_ns("2011-05-01 00:00:00"),
+        instant_ns("2011-05-01 00:00:01"),
+    ]
+
+
+def test_gga_after_midnight_is_the_next_day_before_rmc_says_so() -> None:
+    core = GpsIngestCore()
+    out = fixes(hear(core, [rmc("235959"), gga("000000"), gga("000001")]) + flush(core))
+    assert out[-1].t_ns == instant_ns("1994-03-24 00:00:01")
+
+
+def test_latency_moves_a_fix_to_when_it_was_measured() -> None:
+    core = GpsIngestCore(gps_latency_s=0.25)
+    (fix,) = fixes(hear(core, [rmc("120000")]) + flush(core))
+    assert fix.t_ns == instant_ns("1994-03-23 12:00:00") - 250_000_000
+
+
+def test_the_clock_of_a_receiver_without_a_fix_is_not_believed_against_a_fix() -> None:
+    """Cold receivers tell dates decades off; recorded in gpsd's gp-320fw coldboot log."""
+    core = GpsIngestCore()
+    cold = [
+        rmc(f"0004{second}", status="V", date="220899", position=",,,") for second in range(25, 35)
+    ]
+    out = fixes(hear(core, [*cold, rmc("120000", date="070419"), rmc("120001", date="070419")]))
+    out += fixes(flush(core))
+    assert [fix.t_ns for fix in out] == [
+        instant_ns("2019-04-07 12:00:00"),
+        instant_ns("2019-04-07 12:00:01"),
+    ]
+    assert core.bad_input == 0
+
+
+def test_a_log_that_never_has_a_fix_is_published_with_its_own_dates() -> None:
+    core = GpsIngestCore()
+    out = fixes(hear(core, [rmc("120000", status="V"), rmc("120001", status="V")]) + flush(core))
+    assert [(fix.valid, fix.t_ns) for fix in out] == [
+        (False, instant_ns("1994-03-23 12:00:00")),
+        (False, instant_ns("1994-03-23 12:00:01")),
+    ]
+
+
+def test_a_leap_second_learned_steps_back_without_an_output_going_back() -> None:
+    """Recorded in munich.nmea at 12:43:42."""
+    core = GpsIngestCore()
+    times = ("124341", "124342", "124341", "124342", "124343", "124344")
+    out = fixes(hear(core, [rmc(time) for time in times]) + flush(core))
+    seconds = [fix.t_ns // SECOND_NS % 60 for fix in out]
+    assert seconds == [41, 42, 43, 44]
+    assert core.faults == {"clock": 2}
+
+
+def test_one_corrupt_date_does_not_move_time_ahead() -> None:
+    core = GpsIngestCore()
+    texts = [rmc("120000"), rmc("120001", date="230375"), rmc("120002"), rmc("120003")]
+    out = fixes(hear(core, texts) + flush(core))
+    assert [fix.t_ns // SECOND_NS % 60 for fix in out] == [0, 2, 3]
+    assert core.faults == {"clock": 1}
+
+
+def test_a_step_ahead_that_the_next_fix_confirms_is_followed() -> None:
+    clock = SteadyClock()
+    year_ns = 365 * 86_400 * SECOND_NS
+    instants = (0, year_ns, year_ns + SECOND_NS, year_ns + 2 * SECOND_NS)
+    assert [clock.fixed_ns(each) for each in instants] == [0, None, *instants[2:]]
+
+
+def test_a_clock_that_steps_far_back_is_moved_on_until_it_returns() -> None:
+    clock = SteadyClock()
+    hour_ns = 3600 * SECOND_NS
+    raw = (hour_ns, 0, SECOND_NS, hour_ns + 10 * SECOND_NS)
+    assert [clock.fixed_ns(each) for each in raw] == [
+        hour_ns,
+        hour_ns + SECOND_NS,
+        hour_ns + 2 * SECOND_NS,
+        hour_ns + 10 * SECOND_NS,
+    ]
+    assert clock.faults == 2
+
+
+@pytest.mark.parametrize("raw_ns", [-1, 0, 3601 * SECOND_NS])
+def test_an_epoch_without_a_fix_never_moves_time_far(raw_ns: int) -> None:
+    clock = SteadyClock()
+    clock.fixed_ns(0)
+    assert clock.unfixed_ns(raw_ns) is None
+
+
+def test_zda_dates_a_receiver_without_rmc() -> None:
+    core = GpsIngestCore()
+    zda = line("GPZDA,120000,04,07,2012,,")
+    (fix,) = fixes(hear(core, [gga("120000"), zda]) + flush(core))
+    assert fix.t_ns == instant_ns("2012-07-04 12:00:00")

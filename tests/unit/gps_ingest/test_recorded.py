@@ -1,0 +1,49 @@
+"""Recorded drives with their known faults."""
+
+import datetime as dt
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from unit.gps_ingest.receiver import fixes, flush, hear, replay
+from wayline.nmea_log import read_sentences
+from wayline_gps_ingest.core import GpsIngestCore
+
+SHUTTLE = Path(__file__).parents[3] / "deploy" / "demo" / "avl-shuttle" / "gps.nmea"
+
+
+def test_munich_keeps_every_fix_but_those_of_the_second_that_came_twice(
+    recorded: Callable[[str], Path],
+) -> None:
+    """1847 fixes and 20 epochs without; at 12:43:42 the clock goes back for two of them."""
+    core, messages = replay(recorded("nmea") / "munich.nmea")
+    out = fixes(messages)
+    assert sum(fix.valid for fix in out) == 1847 - 2
+    assert sum(not fix.valid for fix in out) == 20
+    assert core.faults == {"clock": 2}
+    assert {second.t_ns - first.t_ns for first, second in pairwise(out)} == {10**9}
+    assert max(fix.speed_mps for fix in out if fix.speed_mps) == pytest.approx(17.3, abs=0.1)
+    assert sum(fix.valid and fix.pdop is not None and fix.pdop > 8.0 for fix in out) > 0
+
+
+def test_regensburg_survives_torn_lines_and_holes(recorded: Callable[[str], Path]) -> None:
+    core, messages = replay(recorded("nmea") / "regensburg-geko.nmea")
+    valid = [fix for fix in fixes(messages) if fix.valid]
+    assert len(valid) == 774
+    assert core.bad_input == 0
+    assert min(fix.alt_m for fix in valid if fix.alt_m) == 295.0
+    assert max(fix.alt_m for fix in valid if fix.alt_m) == 427.7
+
+
+def test_the_shuttle_lap_is_193_fixes_and_19_repeats() -> None:
+    """papers/000, Appendix C: 212 rows; the log has no date and is refused without one."""
+    core = GpsIngestCore(date=dt.date(2011, 4, 1))
+    texts = [sentence.text for sentence in read_sentences(SHUTTLE)]
+    out = fixes(hear(core, texts) + flush(core))
+    assert len(out) == 212
+    assert sum(fix.valid for fix in out) == 193
+    assert sum(fix.repeat for fix in out) == 19
+    assert core.bad_input == 0
+    assert out[-1].t_ns - out[0].t_ns == 219 * 10**9
