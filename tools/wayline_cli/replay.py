@@ -15,7 +15,7 @@ from wayline.recording import JsonLines
 from wayline.route import Route, load_route
 from wayline_cli.stream import DriveStream, Outage, with_outages
 from wayline_dashboard.core import DashboardCore
-from wayline_eta.core import EtaCore
+from wayline_eta.core import make_eta_core
 from wayline_fusion.core import FusionCore
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.store import SlopeStore
@@ -96,7 +96,7 @@ def build_nodes(drive: Drive, route: Route | None, database_url: str | None) -> 
     )
     return [
         Node("fusion", FusionCore(tuning)),
-        Node("eta", EtaCore([route] if route else [], tuning)),
+        Node("eta", make_eta_core([route] if route else [], tuning)),
         Node("slope-map", slope_map, store),
         Node("dashboard", DashboardCore(vehicle_id)),
     ]

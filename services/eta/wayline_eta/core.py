@@ -18,30 +18,53 @@ SECOND_NS = 1_000_000_000
 
 
 class EtaCore:
-    """One vehicle's progress and arrivals.
+    """One vehicle's progress and arrivals once a second, from poses.
 
-    By default both come once a second at ticks, from poses; with the tuning's `route_filter`
-    "avl" once a row of `gps_fix`. Nothing comes before the first match with a route, or without
-    routes.
+    Nothing comes before the first match with a route, or without routes.
     """
 
-    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose})
     period_ns: ClassVar[int | None] = SECOND_NS
 
     def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
-        self._reference = tuning.route_filter == "avl"
         self._by_pose = ByPose(routes, tuning)
-        self._by_fix = ByFix(routes, tuning)
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
-        """Take a pose, a fix or a tick; anything else is not read."""
-        if self._reference:
-            return self._by_fix.follow(message, source) if isinstance(message, GpsFix) else ()
+        """Take a pose or a tick; anything else is not read."""
+        del source
         if isinstance(message, Pose):
             self._by_pose.take(message)
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
             return self._by_pose.tell(message.t_ns)
         return ()
+
+
+class ReferenceEtaCore:
+    """One vehicle's progress and arrivals once a row of `gps_fix`, by the published filter.
+
+    Nothing comes before the first fix with a position, or without routes.
+    """
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({GpsFix})
+    period_ns: ClassVar[int | None] = None
+
+    def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
+        self._by_fix = ByFix(routes, tuning)
+
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+        """Take a fix; anything else is not read."""
+        return self._by_fix.follow(message, source) if isinstance(message, GpsFix) else ()
+
+
+def make_eta_core(routes: Sequence[Route], tuning: Tuning) -> EtaCore | ReferenceEtaCore:
+    """The core that the tuning's `route_filter` asks for.
+
+    They are two, as they read different topics: a core of poses that also read fixes would have
+    its ticks before the poses that fusion makes of those fixes.
+    """
+    if tuning.route_filter == "avl":
+        return ReferenceEtaCore(routes, tuning)
+    return EtaCore(routes, tuning)
 
 
 class ByPose:

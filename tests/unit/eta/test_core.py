@@ -21,7 +21,7 @@ from wayline.inputs import Tick
 from wayline.messages import Arrivals, GpsFix, Pose, Progress
 from wayline.route import Route
 from wayline.tuning import Tuning
-from wayline_eta.core import EtaCore
+from wayline_eta.core import EtaCore, make_eta_core
 
 TUNING = Tuning()
 
@@ -204,6 +204,11 @@ def test_at_a_terminal_the_route_that_begins_is_preferred_to_the_one_that_ends()
     assert stop_ids(told[-1]) == ["s0"]
 
 
+def test_the_default_core_reads_poses_and_the_reference_fixes() -> None:
+    assert make_eta_core([], TUNING).reads == {Pose}
+    assert make_eta_core([], Tuning(route_filter="avl")).reads == {GpsFix}
+
+
 def parked_core() -> tuple[EtaCore, int]:
     line: list[Metres] = [(0, 0), (2000, 0)]
     core = EtaCore([route_of(line, stops_m=[1000.0])], TUNING)
@@ -302,7 +307,7 @@ def test_distance_std_is_the_covariance_along_the_route() -> None:
 def test_the_reference_filter_answers_every_row_of_one_receiver() -> None:
     """Fresh fixes carry their own time, predicted rows a second more; repeats are not believed."""
     route = route_of(SQUARE, stops_m=[0.0, 700.0])
-    core = EtaCore([route], Tuning(route_filter="avl"))
+    core = make_eta_core([route], Tuning(route_filter="avl"))
 
     def row(second: float, north_m: float | None, *, repeat: bool = False) -> GpsFix:
         lat_deg, lon_deg = TOWN.to_geodetic(0.0, north_m or 0.0)
@@ -330,7 +335,7 @@ def test_the_reference_filter_answers_every_row_of_one_receiver() -> None:
 
 def test_the_reference_filter_counts_laps_and_predicts_over_the_start() -> None:
     route = route_of(SQUARE)
-    core = EtaCore([route], Tuning(route_filter="avl"))
+    core = make_eta_core([route], Tuning(route_filter="avl"))
     laps = []
     for second, (pose, true_m) in enumerate(poses(SQUARE, [10.0] * 420, laps=True)):
         seen = not 198 <= second <= 203
