@@ -6,6 +6,7 @@ from typing import ClassVar
 import msgspec
 
 from wayline.core import Record
+from wayline.geo import wrap_360
 from wayline.gps_quality import altitude_std_m
 from wayline.inputs import Flush, Tick
 from wayline.line import Line
@@ -106,15 +107,15 @@ class SlopeMapCore:
         if pose.lat_deg is None or pose.lon_deg is None or pose.heading_deg is None:
             return None
         std_m = max(pose.east_std_m or 0.0, pose.north_std_m or 0.0)
-        backwards = pose.speed_mps is not None and pose.speed_mps < 0.0
         unsure = pose.mode not in PLACED_MODES or std_m > self._tuning.map_position_std_max_m
-        if backwards or unsure:
+        if unsure:
             return None
-        near = self._index.near(pose.lat_deg, pose.lon_deg, pose.heading_deg)
+        # a vehicle in reverse travels the road the other way
+        reverse = pose.speed_mps is not None and pose.speed_mps < 0.0
+        course_deg = wrap_360(pose.heading_deg + 180.0) if reverse else pose.heading_deg
+        near = self._index.near(pose.lat_deg, pose.lon_deg, course_deg)
         match = chosen(near, last.match if last else None, moved_m, self._route_id)
-        return Place(
-            pose.t_ns, pose.distance_m, pose.lat_deg, pose.lon_deg, pose.heading_deg, match
-        )
+        return Place(pose.t_ns, pose.distance_m, pose.lat_deg, pose.lon_deg, course_deg, match)
 
     def _last_place(self) -> Place | None:
         return self._track.places[-1] if self._track.places else None

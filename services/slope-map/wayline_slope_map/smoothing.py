@@ -9,8 +9,8 @@ The pressure model's missing offset is the barometer's bias. No time shifts (sec
 backward pass has no lag.
 
 A GPS altitude's error wanders over a minute, so that 1 Hz samples are not independent (R of
-eq. 5.11 takes them so): most of it is a state of its own, a first-order Gauss-Markov process in
-units of the fix's std, and only a small share is white.
+eq. 5.11 takes them so): most of it is a state of its own, a first-order Gauss-Markov process that
+is driven towards the std that each fix has at its time, and only a small share is white.
 """
 
 from typing import NamedTuple
@@ -50,6 +50,8 @@ class _Nodes(NamedTuple):
     alt_m: Floats
     std_m: Floats
     """NaN in both where the node is asked only."""
+    gps_std_m: Floats
+    """Of the fixes around the node; 1 where there are none, for their error is then not seen."""
     barometer: NDArray[np.bool_]
     asked: NDArray[np.intp]
     """For every node the index of what is asked there, -1 where nothing is."""
@@ -90,6 +92,7 @@ def _nodes(gps: Measured, barometer: Measured, times_s: Floats, travelled_m: Flo
         travelled[order],
         np.concatenate((gps.alt_m, barometer.alt_m, nothing))[order],
         np.concatenate((gps.std_m, barometer.std_m, nothing))[order],
+        np.interp(times, gps.times_s, gps.std_m)[order] if counts[0] else np.ones(len(times)),
         np.repeat([False, True, False], counts)[order],
         np.concatenate((np.full(measured, -1), np.arange(asked)))[order],
     )
@@ -110,7 +113,14 @@ def _smoothed_states(nodes: _Nodes, first: Floats, tuning: Tuning) -> tuple[Floa
     kalman = KalmanFilter(dim_x=4, dim_z=1)
     kalman.x = first
     kalman.P = np.diag(
-        np.square([FIRST_ALTITUDE_STD_M, FIRST_SLOPE_STD, 1.0, FIRST_BARO_BIAS_STD_M])
+        np.square(
+            [
+                FIRST_ALTITUDE_STD_M,
+                FIRST_SLOPE_STD,
+                nodes.gps_std_m[0],
+                FIRST_BARO_BIAS_STD_M,
+            ]
+        )
     )
     F, Q = _transitions(nodes, tuning)
     x, P = np.empty((len(F), 4)), np.empty((len(F), 4, 4))
@@ -135,7 +145,8 @@ def _transitions(nodes: _Nodes, tuning: Tuning) -> tuple[Floats, Floats]:
     Q[:, ALTITUDE, ALTITUDE] = walk * steps_m**3 / 3.0
     Q[:, ALTITUDE, SLOPE] = Q[:, SLOPE, ALTITUDE] = walk * steps_m**2 / 2.0
     Q[:, SLOPE, SLOPE] = walk * steps_m
-    Q[:, GPS_ERROR, GPS_ERROR] = 1.0 - F[:, GPS_ERROR, GPS_ERROR] ** 2
+    wander_m2 = nodes.gps_std_m**2 * (1.0 - tuning.map_gps_white_share**2)
+    Q[:, GPS_ERROR, GPS_ERROR] = wander_m2 * (1.0 - F[:, GPS_ERROR, GPS_ERROR] ** 2)
     Q[:, BARO_BIAS, BARO_BIAS] = tuning.map_barometer_walk_m_per_sqrt_s**2 * steps_s
     return F, Q
 
@@ -150,9 +161,8 @@ def _update(
         H[0, BARO_BIAS] = 1.0
         R = std_m**2
     else:
-        share = tuning.map_gps_white_share
-        H[0, GPS_ERROR] = std_m * (1.0 - share**2) ** 0.5
-        R = (share * std_m) ** 2
+        H[0, GPS_ERROR] = 1.0
+        R = (tuning.map_gps_white_share * std_m) ** 2
     innovation_m = alt_m - float((H @ kalman.x)[0])
     S = float((H @ kalman.P @ H.T)[0, 0]) + R
     excess = innovation_m**2 / S / GATE

@@ -90,11 +90,11 @@ def _with_own_path(places: Sequence[Place]) -> list[Label]:
         while hidden and place.travelled_m - hidden[0].travelled_m >= VISIBLE_BEHIND_M:
             shown = hidden.popleft()
             index.add_place(
-                OWN_PATH, shown.travelled_m, shown.lat_deg, shown.lon_deg, shown.heading_deg
+                OWN_PATH, shown.travelled_m, shown.lat_deg, shown.lon_deg, shown.course_deg
             )
         match = place.match
         if match is None:
-            near = index.near(place.lat_deg, place.lon_deg, place.heading_deg)
+            near = index.near(place.lat_deg, place.lon_deg, place.course_deg)
             match = chosen(near, last, place.travelled_m - last_m)
             if match is None:
                 hidden.append(place)

@@ -19,7 +19,8 @@ class Place(NamedTuple):
     travelled_m: float
     lat_deg: float
     lon_deg: float
-    heading_deg: float
+    course_deg: float
+    """Direction of travel."""
     match: Match | None
 
 
