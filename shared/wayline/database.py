@@ -23,14 +23,17 @@ BUSY_TIMEOUT_MS = 5_000
 WRITES = "wayline_writes"
 
 
-def open_database(url: str, service_package: str) -> sa.Engine:
+def open_database(url: str, service_package: str, *, create: bool = True) -> sa.Engine:
     """An engine on the database at `url` with the tables of `service_package` up to date.
 
     The package holds `migrations/env.py` (two lines, see `run_migrations`) and
     `migrations/versions/*.py`. Raises InputError for an address, a folder, a file or a server
-    that cannot be used and for a database that a newer version has written.
+    that cannot be used and for a database that a newer version has written. Without `create`
+    a SQLite file that is not there yet is an InputError too.
     """
     address = _parsed(url)
+    if not (create or _is_there(address)):
+        raise InputError(url, f"no file {address.database}", "correct the address")
     engine = _engine_on(address)
     if address.get_backend_name() == "sqlite":
         _make_sqlite_safe(engine)
@@ -85,6 +88,11 @@ def _parsed(url: str) -> sa.URL:
         if not folder.is_dir():
             raise InputError(url, f"no folder {folder}", "create it or correct the address")
     return address
+
+
+def _is_there(address: sa.URL) -> bool:
+    in_file = address.get_backend_name() == "sqlite" and address.database
+    return not in_file or Path(str(address.database)).is_file()
 
 
 def _engine_on(address: sa.URL) -> sa.Engine:

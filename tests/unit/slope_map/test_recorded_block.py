@@ -1,10 +1,11 @@
-"""The same block driven twice, recorded: the second run knows the road, and agrees with the first."""
+"""The same block driven twice, recorded: the second run knows the road, and agrees."""
 
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import sqlalchemy as sa
+
 from wayline.database import open_database
 from wayline_cli.replay import replay
 from wayline_slope_map.store import SlopeStore

@@ -122,6 +122,12 @@ def test_an_address_that_cannot_be_used_says_how_to_mend_it(url: str, said: str)
         open_database(url, PACKAGE)
 
 
+def test_a_reader_creates_no_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no file"):
+        open_database(f"sqlite:///{tmp_path}/typo.db", PACKAGE, create=False)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_file_that_is_no_database_is_refused(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("not a database, " * 100)
     with pytest.raises(InputError, match="cannot be opened"):
