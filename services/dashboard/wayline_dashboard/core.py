@@ -1,8 +1,10 @@
 """Pure: one vehicle's view model, kept from the messages of its bus topics."""
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import msgspec
+
 from wayline.core import Record
 from wayline.messages import (
     Arrivals,
@@ -14,7 +16,6 @@ from wayline.messages import (
     Pose,
     Progress,
 )
-
 from wayline_dashboard.sections import (
     arrivals_view,
     fix_view,
@@ -55,6 +56,9 @@ class DashboardCore:
     every change; a reader that comes back with what it has `Seen` gets what changed since,
     and one that comes back late gets the newest of each section once.
     """
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({*KEPT, Health})
+    period_ns: ClassVar[int | None] = None
 
     def __init__(self, vehicle_id: str) -> None:
         self.vehicle_id = vehicle_id

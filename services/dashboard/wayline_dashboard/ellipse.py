@@ -3,6 +3,7 @@
 import math
 
 import msgspec
+
 from wayline.messages import Pose
 
 

@@ -3,9 +3,10 @@
 from dataclasses import dataclass, field
 
 import msgspec
-from wayline.keys import FLEET
-from wayline.rfc3339 import rfc3339
 
+from wayline.keys import FLEET
+from wayline.messages import Pose
+from wayline.rfc3339 import rfc3339
 from wayline_dashboard.core import DashboardCore, Seen
 from wayline_dashboard.view import FleetView, VehicleView
 
@@ -30,11 +31,12 @@ class Fleet:
     def __init__(self) -> None:
         self._cores: dict[str, DashboardCore] = {}
         self._turns: dict[str, int] = {}
+        self._heard_ns: dict[str, int] = {}
         self._turn = 0
         self._shared = DashboardCore(FLEET)
 
-    def handle(self, vehicle_id: str, message: msgspec.Struct, source: str) -> None:
-        """Give an input to its vehicle's core."""
+    def handle(self, vehicle_id: str, message: msgspec.Struct, source: str, heard_ns: int) -> None:
+        """Give an input, heard at an instant of the wall clock, to its vehicle's core."""
         core = self._shared if vehicle_id == FLEET else self._core(vehicle_id)
         before = core.revision
         core.handle(message, source)
@@ -43,13 +45,15 @@ class Fleet:
             if core is not self._shared:
                 self._cores[vehicle_id] = self._cores.pop(vehicle_id)
                 self._turns[vehicle_id] = self._turn
+                if isinstance(message, Pose):
+                    self._heard_ns[vehicle_id] = heard_ns
 
     def snapshot(self, now_ns: int) -> FleetView:
         """Everything known, vehicles by id."""
         return FleetView(
             kind="snapshot",
             now=rfc3339(now_ns),
-            vehicles=tuple(self._cores[name].snapshot() for name in sorted(self._cores)),
+            vehicles=tuple(self._view(name, Seen()) for name in sorted(self._cores)),
             services=self._shared.services(),
         )
 
@@ -83,7 +87,12 @@ class Fleet:
         for vehicle_id in reversed(self._cores):
             if self._turns[vehicle_id] <= cursor.turn:
                 break
-            core = self._cores[vehicle_id]
-            changed.append(core.changes(cursor.seen.get(vehicle_id, Seen())))
-            cursor.seen[vehicle_id] = core.seen()
+            changed.append(self._view(vehicle_id, cursor.seen.get(vehicle_id, Seen())))
+            cursor.seen[vehicle_id] = self._cores[vehicle_id].seen()
         return tuple(reversed(changed))
+
+    def _view(self, vehicle_id: str, seen: Seen) -> VehicleView:
+        view = self._cores[vehicle_id].changes(seen)
+        if view.pose is not None and vehicle_id in self._heard_ns:
+            view.heard = rfc3339(self._heard_ns[vehicle_id])
+        return view

@@ -5,8 +5,8 @@ import time
 from collections.abc import Callable
 
 import msgspec
-from wayline.rfc3339 import rfc3339
 
+from wayline.rfc3339 import rfc3339
 from wayline_dashboard.core import ServiceEvent
 from wayline_dashboard.fleet import Cursor, Fleet
 from wayline_dashboard.view import FleetView
@@ -33,7 +33,7 @@ class LiveView:
         """Take a bus message of a vehicle (or of `_fleet`)."""
         with self._lock:
             self._inputs += 1
-            self._fleet.handle(vehicle_id, message, source)
+            self._fleet.handle(vehicle_id, message, source, self._clock_ns())
 
     def put_service(self, vehicle_id: str, service: str, up: bool) -> None:
         """Take a liveliness event of a vehicle's (or of `_fleet`'s) service."""

@@ -2,7 +2,6 @@
 
 from wayline.messages import Arrivals, FusionStatus, GpsFix, Health, Horizon, Pose, Progress
 from wayline.rfc3339 import rfc3339
-
 from wayline_dashboard.ellipse import ellipse_of
 from wayline_dashboard.view import (
     ArrivalsView,

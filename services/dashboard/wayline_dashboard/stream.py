@@ -4,8 +4,8 @@ import asyncio
 
 import msgspec
 from fastapi import WebSocket, WebSocketDisconnect
-from wayline.http_guard import TOKEN_PROTOCOL
 
+from wayline.http_guard import TOKEN_PROTOCOL
 from wayline_dashboard.fleet import Cursor
 from wayline_dashboard.live_view import LiveView
 from wayline_dashboard.view import FleetView

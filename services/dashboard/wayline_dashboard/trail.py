@@ -5,6 +5,7 @@ from collections import deque
 from itertools import islice
 
 import msgspec
+
 from wayline.geo import metres_per_degree
 from wayline.messages import Pose, PoseMode
 

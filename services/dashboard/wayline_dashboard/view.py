@@ -6,8 +6,8 @@ Times are RFC 3339 UTC (SPEC section 5). Every section is null until its first m
 from typing import Literal
 
 import msgspec
-from wayline.messages import Calibration, FixKind, PoseMode
 
+from wayline.messages import Calibration, FixKind, PoseMode
 from wayline_dashboard.ellipse import Ellipse
 from wayline_dashboard.trail import TrailPoint
 
@@ -133,6 +133,8 @@ class VehicleView(msgspec.Struct, kw_only=True, omit_defaults=True):
     """
 
     vehicle_id: str
+    heard: str | None = None
+    """When the newest pose came in, by the server's clock; a recording's `t` is years before."""
     pose: PoseView | None = None
     fix: FixView | None = None
     status: StatusView | None = None

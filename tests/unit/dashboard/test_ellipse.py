@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from wayline.messages import Pose
 from wayline_dashboard.ellipse import ellipse_of, standard_ellipse
 

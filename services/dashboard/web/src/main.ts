@@ -1,0 +1,151 @@
+// Puts the page together: the line feeds the fleet, the fleet feeds the map and the panel.
+
+import "maplibre-gl/dist/maplibre-gl.css";
+import { html, render } from "lit-html";
+
+import { forgetToken, saveToken, savedToken } from "./access";
+import { ServerClock } from "./clock";
+import { Connection } from "./connection";
+import type { LineState } from "./connection";
+import { applyView, emptyFleet, nameRoute } from "./fleet";
+import { FleetMap } from "./map/map";
+import { mapTools } from "./map/tools";
+import { accessForm } from "./panels/access";
+import { arrivalsPanel } from "./panels/arrivals";
+import { banner } from "./panels/banner";
+import { positioningPanel } from "./panels/positioning";
+import { servicesPanel } from "./panels/services";
+import { slopePanel } from "./panels/slope";
+import { vehiclePanel } from "./panels/vehicle";
+import { vehicleList } from "./panels/vehicles";
+import { chooseVehicle, putInAddress, selectedInAddress } from "./selection";
+
+/** Text that changes faster is not read; the map moves with every pose. */
+const PANEL_PERIOD_MS = 250;
+
+function element(id: string): HTMLElement {
+  const found = document.getElementById(id);
+  if (found === null) {
+    throw new Error(`no element ${id} in index.html`);
+  }
+  return found;
+}
+
+const places = {
+  panel: element("panel"),
+  banner: element("banner"),
+  tools: element("map-tools"),
+  access: element("access"),
+};
+const fleet = emptyFleet();
+const clock = new ServerClock(() => performance.now());
+let line: LineState = { kind: "connecting" };
+let wasOpen = false;
+let wanted = selectedInAddress();
+
+const map = new FleetMap(element("map"), () => renderTools());
+const connection = new Connection({
+  onState(state) {
+    line = state;
+    wasOpen ||= state.kind === "open";
+    renderPage();
+  },
+  onView(view) {
+    clock.set(view.now);
+    applyView(fleet, view);
+    map.show(fleet, selected());
+    if (view.kind === "snapshot") {
+      renderPage();
+    }
+  },
+  onRoute(route) {
+    nameRoute(fleet, route);
+    map.addRoute(route);
+  },
+});
+
+function selected(): string | null {
+  return chooseVehicle(wanted, fleet.vehicles.keys());
+}
+
+function choose(vehicleId: string): void {
+  wanted = vehicleId;
+  putInAddress(vehicleId);
+  map.show(fleet, selected());
+  map.setFollowing(true);
+  renderPage();
+}
+
+function enter(token: string): void {
+  saveToken(token);
+  void connection.open();
+}
+
+function renderTools(): void {
+  const actions = {
+    follow: () => map.setFollowing(!map.following),
+    overview: () => map.overview(),
+  };
+  render(mapTools(map.following, actions), places.tools);
+}
+
+function renderPanel(): void {
+  const now = clock.nowMs();
+  const vehicle = fleet.vehicles.get(selected() ?? "");
+  const parts =
+    vehicle === undefined
+      ? html`<p class="empty">${wasOpen ? "No vehicle has been heard yet." : "Connecting…"}</p>`
+      : html`
+          ${vehiclePanel(vehicle, now)} ${arrivalsPanel(vehicle, now, fleet.routeNames)}
+          ${slopePanel(vehicle)} ${positioningPanel(vehicle)}
+        `;
+  render(
+    html`
+      <header>
+        <h1>Wayline</h1>
+        <span class="line-state ${line.kind}">${line.kind === "open" ? "live" : "not live"}</span>
+      </header>
+      ${vehicleList(fleet.vehicles.values(), selected(), now, choose)} ${parts}
+      ${servicesPanel(vehicle?.services ?? [], fleet.services)}
+    `,
+    places.panel,
+  );
+}
+
+function renderBanner(): void {
+  const tryNow = (): void => connection.tryNow();
+  render(banner(line, wasOpen, performance.now(), tryNow), places.banner);
+}
+
+function renderAccess(): void {
+  const isRefused = line.kind === "refused";
+  const triedBefore = isRefused && savedToken() !== null;
+  if (isRefused) {
+    forgetToken();
+  }
+  render(isRefused ? accessForm(triedBefore, enter) : null, places.access);
+  document.body.classList.toggle("locked", isRefused);
+}
+
+function renderPage(): void {
+  document.body.classList.toggle("old", wasOpen && line.kind !== "open");
+  renderPanel();
+  renderBanner();
+  renderAccess();
+}
+
+declare global {
+  interface Window {
+    /** What the browser tests look at. */
+    wayline: { map: FleetMap["map"]; fleet: typeof fleet };
+  }
+}
+window.wayline = { map: map.map, fleet };
+
+renderTools();
+renderPage();
+window.setInterval(() => {
+  renderPanel();
+  renderBanner();
+}, PANEL_PERIOD_MS);
+void connection.open();

@@ -1,0 +1,73 @@
+// What the position rests on: the receiver, the sensors, what was refused.
+
+import { html } from "lit-html";
+import type { TemplateResult } from "lit-html";
+
+import type { Vehicle } from "../fleet";
+import type { Status } from "../view";
+import { duration, length } from "../words";
+
+export function positioningPanel(vehicle: Vehicle): TemplateResult | null {
+  const lines = [outageNote(vehicle), fixNote(vehicle), calibrationNote(vehicle)];
+  const told = lines.filter((line) => line !== null);
+  if (told.length === 0) {
+    return null;
+  }
+  return html`
+    <section id="positioning" aria-labelledby="positioning-title">
+      <h2 id="positioning-title">Positioning</h2>
+      <ul>
+        ${told.map((line) => html`<li>${line}</li>`)}
+      </ul>
+    </section>
+  `;
+}
+
+/** Where the vehicle is along its route, or how far off it. */
+export function routeNote({ progress }: Vehicle, names: ReadonlyMap<string, string>): string | null {
+  if (progress === undefined) {
+    return null;
+  }
+  const name = names.get(progress.route_id) ?? progress.route_id;
+  const lap = progress.lap > 0 ? `, lap ${progress.lap + 1}` : "";
+  return progress.on_route
+    ? `${name}: ${length(progress.distance_m)} along it${lap}`
+    : `Off ${name} by ${length(Math.abs(progress.cross_track_m))}`;
+}
+
+function outageNote({ pose, status }: Vehicle): string | null {
+  const reckons = pose?.mode === "dead_reckoning" || pose?.mode === "lost";
+  return reckons && status !== undefined ? `No accepted fix for ${duration(status.outage_s)}` : null;
+}
+
+function fixNote({ fix }: Vehicle): string | null {
+  if (fix === undefined) {
+    return null;
+  }
+  if (!fix.valid) {
+    return "Receiver: no fix";
+  }
+  const kind = fix.fix.replace("_", " ").toUpperCase();
+  const satellites = fix.satellites === null ? "" : `, ${fix.satellites} satellites`;
+  const hdop = fix.hdop === null ? "" : `, HDOP ${fix.hdop.toFixed(1)}`;
+  return `Receiver: ${kind}${satellites}${hdop}`;
+}
+
+const CALIBRATIONS = {
+  none: "Wheels and gyro: not calibrated",
+  started: "Wheels and gyro: calibrating",
+  calibrated: "Wheels and gyro: calibrated",
+} as const;
+
+function calibrationNote({ pose, status }: Vehicle): string | null {
+  // without CAN there is nothing to calibrate
+  if (status === undefined || pose?.mode === "gps" || pose?.mode === "starting") {
+    return null;
+  }
+  const rejected = status.rejected > 0 ? `; ${status.rejected} measurements refused${lastRejection(status)}` : "";
+  return CALIBRATIONS[status.calibration] + rejected;
+}
+
+function lastRejection({ last_rejection: last }: Status): string {
+  return last === null ? "" : `, last ${last.replaceAll("_", " ")}`;
+}

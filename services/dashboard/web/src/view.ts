@@ -1,0 +1,138 @@
+// What the server tells of the fleet; mirrors wayline_dashboard/view.py. Times are RFC 3339 UTC.
+
+export type PoseMode = "starting" | "gps" | "fused" | "dead_reckoning" | "lost";
+
+/** One sigma along its axes; the major one points orientation_deg clockwise from north. */
+export interface Ellipse {
+  semi_major_m: number;
+  semi_minor_m: number;
+  orientation_deg: number;
+}
+
+export interface Pose {
+  t: string;
+  mode: PoseMode;
+  lat_deg: number | null;
+  lon_deg: number | null;
+  alt_m: number | null;
+  alt_std_m: number | null;
+  heading_deg: number | null;
+  heading_std_deg: number | null;
+  speed_mps: number | null;
+  speed_std_mps: number | null;
+  grade_pct: number | null;
+  grade_std_pct: number | null;
+  distance_m: number;
+  ellipse: Ellipse | null;
+}
+
+export interface Fix {
+  t: string;
+  source: string;
+  valid: boolean;
+  fix: string;
+  lat_deg: number | null;
+  lon_deg: number | null;
+  satellites: number | null;
+  hdop: number | null;
+  h_std_m: number | null;
+}
+
+export interface Status {
+  t: string;
+  calibration: "none" | "started" | "calibrated";
+  outage_s: number;
+  late: number;
+  rejected: number;
+  last_rejection: string | null;
+}
+
+export interface Progress {
+  t: string;
+  route_id: string;
+  trip_id: string | null;
+  distance_m: number;
+  distance_std_m: number;
+  lap: number;
+  cross_track_m: number;
+  on_route: boolean;
+}
+
+export interface Stop {
+  stop_id: string;
+  name: string;
+  distance_m: number;
+  arrival: string;
+  early: string;
+  late: string;
+}
+
+export interface Arrivals {
+  t: string;
+  route_id: string;
+  stale: boolean;
+  stops: Stop[];
+}
+
+export interface SlopePoint {
+  distance_m: number;
+  grade_pct: number | null;
+  grade_std_pct: number | null;
+  alt_m: number | null;
+  runs: number;
+}
+
+export interface Horizon {
+  t: string;
+  road_id: string | null;
+  points: SlopePoint[];
+}
+
+export interface Service {
+  service: string;
+  up: boolean;
+  t: string | null;
+  version: string | null;
+  in_rate_hz: number | null;
+  out_rate_hz: number | null;
+  backlog: number;
+  dropped: number;
+  bad_input: number;
+  lag_ms_p50: number | null;
+  lag_ms_p99: number | null;
+  detail: string | null;
+}
+
+export interface TrailPoint {
+  lat_deg: number;
+  lon_deg: number;
+  mode: PoseMode;
+}
+
+/** Sections left out are unchanged; trail follows the trail already told unless it restarts. */
+export interface VehicleChange {
+  vehicle_id: string;
+  heard?: string;
+  pose?: Pose;
+  fix?: Fix;
+  status?: Status;
+  progress?: Progress;
+  arrivals?: Arrivals;
+  horizon?: Horizon;
+  services?: Service[];
+  trail?: TrailPoint[];
+  trail_restart?: boolean;
+}
+
+export interface FleetView {
+  kind: "snapshot" | "changes";
+  now: string;
+  vehicles: VehicleChange[];
+  services: Service[] | null;
+}
+
+export interface RouteLink {
+  route_id: string;
+  name: string;
+  href: string;
+}

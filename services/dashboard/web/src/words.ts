@@ -1,0 +1,115 @@
+// Pure: numbers and modes as people read them. Unknown is a dash, never 0.
+
+import type { PoseMode } from "./view";
+
+export const UNKNOWN = "–";
+const MINUS = "−";
+
+export const MODE_NAMES: Record<PoseMode, string> = {
+  starting: "Starting",
+  gps: "GPS only",
+  fused: "Fused",
+  dead_reckoning: "Dead reckoning",
+  lost: "Lost",
+};
+
+export const MODE_MEANINGS: Record<PoseMode, string> = {
+  starting: "position or heading not known yet",
+  gps: "positions from the receiver, no wheel or gyro data",
+  fused: "receiver, wheels and gyro together",
+  dead_reckoning: "no accepted fix, carried on by wheels and gyro",
+  lost: "position uncertain by more than 100 m",
+};
+
+/** "in 3 min", "in 40 s", "now"; a past arrival is "now" until the next prediction. */
+export function countdown(seconds: number): string {
+  if (seconds < 5) {
+    return "now";
+  }
+  if (seconds < 60) {
+    return `in ${Math.round(seconds / 5) * 5} s`;
+  }
+  const minutes = Math.round(seconds / 60);
+  return minutes < 60 ? `in ${minutes} min` : `in ${hoursAndMinutes(minutes)}`;
+}
+
+/** "less than 1 s", "12 s", "5 min", "2 h 5 min", "3 d". */
+export function duration(seconds: number): string {
+  if (seconds < 1) {
+    return "less than 1 s";
+  }
+  if (seconds < 90) {
+    return `${Math.round(seconds)} s`;
+  }
+  const minutes = Math.round(seconds / 60);
+  return minutes < 90 ? `${minutes} min` : hoursAndMinutes(minutes);
+}
+
+function hoursAndMinutes(minutes: number): string {
+  const hours = Math.floor(minutes / 60);
+  if (hours >= 48) {
+    return `${Math.floor(hours / 24)} d`;
+  }
+  return minutes % 60 === 0 ? `${hours} h` : `${hours} h ${minutes % 60} min`;
+}
+
+const MINUTES = new Intl.DateTimeFormat([], { hour: "numeric", minute: "2-digit" });
+const SECONDS = new Intl.DateTimeFormat([], { timeStyle: "medium" });
+/** A span under three minutes would read as one and the same minute. */
+const COARSE_MS = 180_000;
+
+/** "14:04 – 14:09" in the reader's own time zone, with seconds where minutes are too coarse. */
+export function clockRange(fromMs: number, toMs: number): string {
+  return (toMs - fromMs < COARSE_MS ? SECONDS : MINUTES).formatRange(fromMs, toMs);
+}
+
+export function dateAndTime(ms: number): string {
+  return new Date(ms).toLocaleString([], { dateStyle: "medium", timeStyle: "medium" });
+}
+
+/** "820 m", "1.2 km". */
+export function length(metres: number | null | undefined): string {
+  if (metres == null) {
+    return UNKNOWN;
+  }
+  if (metres < 1000) {
+    return `${Math.round(metres)} m`;
+  }
+  return `${(metres / 1000).toFixed(metres < 10_000 ? 1 : 0)} km`;
+}
+
+/** "1.8 m", "25 m": an accuracy keeps a decimal while it matters. */
+export function accuracy(metres: number): string {
+  return metres < 9.95 ? `${metres.toFixed(1)} m` : length(metres);
+}
+
+export function signed(value: number | null | undefined, decimals: number): string {
+  if (value == null) {
+    return UNKNOWN;
+  }
+  const text = Math.abs(value).toFixed(decimals);
+  if (Number(text) === 0) {
+    return text;
+  }
+  return `${value < 0 ? MINUS : "+"}${text}`;
+}
+
+export function speedKmh(mps: number | null | undefined): string {
+  if (mps == null) {
+    return UNKNOWN;
+  }
+  const kmh = Math.round(Math.abs(mps) * 3.6);
+  return mps < 0 && kmh > 0 ? `${MINUS}${kmh}` : `${kmh}`;
+}
+
+const POINTS = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"] as const;
+
+/** "87°". */
+export function heading(degrees: number | null | undefined): string {
+  return degrees == null ? UNKNOWN : `${Math.round(degrees) % 360}°`;
+}
+
+/** The nearest of eight compass points. */
+export function compassPoint(degrees: number | null | undefined): string {
+  return degrees == null ? "" : (POINTS[Math.round(degrees / 45) % 8] ?? "");
+}
