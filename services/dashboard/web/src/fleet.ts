@@ -32,10 +32,7 @@ export function applyView(fleet: Fleet, view: FleetView): void {
     fleet.services = view.services;
   }
   for (const change of view.vehicles) {
-    fleet.vehicles.set(
-      change.vehicle_id,
-      changed(fleet.vehicles.get(change.vehicle_id), change),
-    );
+    fleet.vehicles.set(change.vehicle_id, changed(fleet.vehicles.get(change.vehicle_id), change));
   }
 }
 

@@ -89,11 +89,23 @@ export function gridLines([west, south, east, north]: Area, wanted: number): Gri
   const lines: GridLine[] = [];
   for (const lon of multiples(west, east, step)) {
     const label = `${Math.abs(lon).toFixed(decimals)}° ${lon < 0 ? "W" : "E"}`;
-    lines.push({ line: [[lon, south], [lon, north]], label });
+    lines.push({
+      line: [
+        [lon, south],
+        [lon, north],
+      ],
+      label,
+    });
   }
   for (const lat of multiples(south, north, step)) {
     const label = `${Math.abs(lat).toFixed(decimals)}° ${lat < 0 ? "S" : "N"}`;
-    lines.push({ line: [[west, lat], [east, lat]], label });
+    lines.push({
+      line: [
+        [west, lat],
+        [east, lat],
+      ],
+      label,
+    });
   }
   return lines;
 }

@@ -15,7 +15,14 @@ export function accessForm(triedBefore: boolean, enter: (token: string) => void)
     <form class="access" aria-labelledby="access-title" @submit=${submit}>
       <h2 id="access-title">This dashboard needs a token</h2>
       <label for="token">Access token</label>
-      <input id="token" name="token" type="password" autocomplete="current-password" required autofocus>
+      <input
+        id="token"
+        name="token"
+        type="password"
+        autocomplete="current-password"
+        required
+        autofocus
+      />
       ${triedBefore ? html`<p class="warning" role="alert">That token is not accepted.</p>` : null}
       <button type="submit">Open</button>
     </form>

@@ -29,7 +29,8 @@ function content(vehicle: Vehicle, nowMs: number): TemplateResult {
     return html`<p class="empty">No route is followed.</p>`;
   }
   if (arrivals.stops.length === 0) {
-    const reason = progress?.on_route === false ? "The vehicle is off its route." : "None to predict.";
+    const reason =
+      progress?.on_route === false ? "The vehicle is off its route." : "None to predict.";
     return html`<p class="empty">${reason}</p>`;
   }
   const now = vehicleNowMs(vehicle, nowMs);

@@ -24,7 +24,10 @@ export function positioningPanel(vehicle: Vehicle): TemplateResult | null {
 }
 
 /** Where the vehicle is along its route, or how far off it. */
-export function routeNote({ progress }: Vehicle, names: ReadonlyMap<string, string>): string | null {
+export function routeNote(
+  { progress }: Vehicle,
+  names: ReadonlyMap<string, string>,
+): string | null {
   if (progress === undefined) {
     return null;
   }
@@ -37,7 +40,9 @@ export function routeNote({ progress }: Vehicle, names: ReadonlyMap<string, stri
 
 function outageNote({ pose, status }: Vehicle): string | null {
   const reckons = pose?.mode === "dead_reckoning" || pose?.mode === "lost";
-  return reckons && status !== undefined ? `No accepted fix for ${duration(status.outage_s)}` : null;
+  return reckons && status !== undefined
+    ? `No accepted fix for ${duration(status.outage_s)}`
+    : null;
 }
 
 function fixNote({ fix }: Vehicle): string | null {
@@ -64,7 +69,8 @@ function calibrationNote({ pose, status }: Vehicle): string | null {
   if (status === undefined || pose?.mode === "gps" || pose?.mode === "starting") {
     return null;
   }
-  const rejected = status.rejected > 0 ? `; ${status.rejected} measurements refused${lastRejection(status)}` : "";
+  const rejected =
+    status.rejected > 0 ? `; ${status.rejected} measurements refused${lastRejection(status)}` : "";
   return CALIBRATIONS[status.calibration] + rejected;
 }
 

@@ -19,9 +19,7 @@ export function slopePanel(vehicle: Vehicle): TemplateResult | null {
   return html`
     <section id="slope" aria-labelledby="slope-title">
       <h2 id="slope-title">Slope ahead</h2>
-      ${chart === null
-        ? html`<p class="empty">Nobody has driven here before.</p>`
-        : drawing(chart)}
+      ${chart === null ? html`<p class="empty">Nobody has driven here before.</p>` : drawing(chart)}
     </section>
   `;
 }
@@ -32,8 +30,7 @@ function drawing(chart: Chart): TemplateResult {
   const known = `${runs} ${runs === 1 ? "run" : "runs"}`;
   return html`
     <svg viewBox="0 0 ${PLOT.width} ${PLOT.height}" role="img" aria-label="${summary}, ${known}">
-      ${axes(chart)}
-      ${chart.bands.map((points) => svg`<polygon class="band" points=${points} />`)}
+      ${axes(chart)} ${chart.bands.map((points) => svg`<polygon class="band" points=${points} />`)}
       ${chart.lines.map((points) => svg`<polyline class="grade" points=${points} />`)}
     </svg>
     <p class="caption">${summary}; band ±1σ; ${known}</p>

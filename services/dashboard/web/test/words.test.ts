@@ -1,0 +1,57 @@
+import { describe, expect, test } from "vitest";
+
+import {
+  accuracy,
+  compassPoint,
+  countdown,
+  duration,
+  heading,
+  length,
+  signed,
+  speedKmh,
+} from "../src/words";
+
+describe("countdown", () => {
+  test.each([
+    [-30, "now"],
+    [4, "now"],
+    [38, "in 40 s"],
+    [59.9, "in 60 s"],
+    [61, "in 1 min"],
+    [170, "in 3 min"],
+    [3600, "in 1 h"],
+    [3900, "in 1 h 5 min"],
+  ])("%d s is %s", (seconds, text) => expect(countdown(seconds)).toBe(text));
+});
+
+describe("duration", () => {
+  test.each([
+    [0.2, "less than 1 s"],
+    [12.4, "12 s"],
+    [300, "5 min"],
+    [7500, "2 h 5 min"],
+    [300_000, "3 d"],
+  ])("%d s is %s", (seconds, text) => expect(duration(seconds)).toBe(text));
+});
+
+test("unknown is a dash and never zero", () => {
+  expect([length(null), signed(null, 1), speedKmh(undefined), heading(null)]).toEqual(
+    Array(4).fill("–"),
+  );
+  expect(speedKmh(0)).toBe("0");
+});
+
+test("lengths turn to kilometres", () => {
+  expect([length(820.4), length(1234), length(23_400)]).toEqual(["820 m", "1.2 km", "23 km"]);
+  expect([accuracy(1.84), accuracy(25)]).toEqual(["1.8 m", "25 m"]);
+});
+
+test("a sign is shown, but a rounded zero has none", () => {
+  expect([signed(1.26, 1), signed(-1.26, 1), signed(-0.04, 1)]).toEqual(["+1.3", "−1.3", "0.0"]);
+});
+
+test("reverse is negative", () => expect(speedKmh(-2)).toBe("−7"));
+
+test("headings wrap at north", () => {
+  expect([heading(359.7), compassPoint(359.7), compassPoint(46)]).toEqual(["0°", "N", "NE"]);
+});
