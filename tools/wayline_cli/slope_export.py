@@ -17,14 +17,21 @@ def export_slope_csv(database_url: str, out: Path | None, stdout: TextIO) -> int
     """
     engine = open_database(database_url, "wayline_slope_map", create=False)
     try:
-        with nullcontext(stdout) if out is None else out.open("w", newline="") as stream:
+        with nullcontext(stdout) if out is None else _opened(out) as stream:
             writer = csv.writer(stream, lineterminator="\n")
             writer.writerow(ExportRow._fields)
             count = 0
-            for count, row in enumerate(export_rows(engine), start=1):  # noqa: B007  # the last one counts
+            for row in export_rows(engine):
                 writer.writerow(row)
-    except OSError as error:
-        raise InputError(str(out), f"cannot be written ({error.strerror})", "name a file") from None
+                count += 1
     finally:
         engine.dispose()
     return count
+
+
+def _opened(out: Path) -> TextIO:
+    try:
+        return out.open("w", encoding="utf-8", newline="")
+    except OSError as error:
+        what = f"cannot be written ({error.strerror})"
+        raise InputError(str(out), what, "name a file in a folder that exists") from None

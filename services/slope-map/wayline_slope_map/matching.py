@@ -13,7 +13,8 @@ SPACING_M = 10.0
 """Between the points that stand for a road, and between the places of a run."""
 ROUTE_WITHIN_M = 40.0
 ROAD_WITHIN_M = 25.0
-HEADING_WITHIN_DEG = 45.0
+HEADING_WITHIN_DEG = 35.0
+"""Streets that cross at more never match, at 30 to 35 degrees for less than 100 m."""
 CELL_DEG = 0.0005
 """Of latitude, 55 m: more than the furthest match."""
 CONTINUES_WITHIN_M = 30.0

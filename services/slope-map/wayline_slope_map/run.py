@@ -22,7 +22,7 @@ STEEPEST_PCT = 50.0
 def finished_runs(
     track: Track, vehicle_id: str, roads: Mapping[str, Road], tuning: Tuning
 ) -> list[FinishedRun]:
-    """The runs of a track over known and new roads, in order of time; bins in order of travel."""
+    """The runs of a track over known and new roads, in order of time."""
     if len(track.places) < 2:
         return []
     stretches = cut(track.places, roads, tuning.map_bin_m)

@@ -62,7 +62,7 @@ def smooth(
 ) -> Smoothed | None:
     """Smoothed values where asked for, shape (n,); None with fewer than two altitudes.
 
-    `times_s` and `travelled_m` grow together, as the measurements' do.
+    The k-th value is asked for at `travelled_m[k]`, reached at `times_s[k]`, in any order.
     """
     if len(gps.alt_m) + len(barometer.alt_m) < 2:
         return None

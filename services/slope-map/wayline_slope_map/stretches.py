@@ -50,8 +50,6 @@ class Stretch(NamedTuple):
         centres_m = (np.arange(self.road.bins) + 0.5) * self.road.bin_m
         passed = self.direction * centres_m
         inside = np.flatnonzero((passed >= forward[0]) & (passed <= forward[-1]))
-        if self.direction < 0:
-            inside = inside[::-1]
         return inside.tolist(), np.interp(passed[inside], forward, travelled)
 
 

@@ -7,6 +7,7 @@ import pytest
 from unit.slope_map.hilly_road import (
     SECOND_NS,
     START_NS,
+    bending_east,
     core,
     drive,
     ring,
@@ -80,6 +81,19 @@ def test_the_way_back_is_the_same_road_with_its_grade_turned(first_run: Finished
     assert np.std(sums_pct) < 0.4 * np.std([there[i] for i in both])
 
 
+def test_in_reverse_a_vehicle_travels_the_road_the_other_way(first_run: FinishedRun) -> None:
+    reversing = [
+        msgspec.structs.replace(
+            message, heading_deg=((message.heading_deg or 0.0) + 180.0) % 360.0, speed_mps=-5.0
+        )
+        if isinstance(message, Pose)
+        else message
+        for message in drive(seed=2, length_m=1000.0, start_ns=START_NS + DAY_NS)
+    ]
+    (run,) = runs_of(core(profiles=[profile_of(first_run)]), reversing)
+    assert (run.road, run.direction) == (first_run.road, 1)
+
+
 def test_a_road_that_goes_on_is_a_new_one_from_where_the_known_one_ends(
     first_run: FinishedRun,
 ) -> None:
@@ -94,6 +108,24 @@ def test_a_crossing_is_no_match(first_run: FinishedRun) -> None:
     across = drive(seed=5, length_m=1000.0, path=lambda d: (np.full_like(d, 1500.0), d - 500.0))
     (run,) = runs_of(core(profiles=[profile_of(first_run)]), across)
     assert run.road.road_id != first_run.road.road_id
+
+
+def test_a_street_that_crosses_a_known_road_at_a_small_angle_is_not_cut(
+    first_run: FinishedRun,
+) -> None:
+    """At 32 degrees, within 25 m of the road for 95 m."""
+    road_m = bending_east(np.array([1650.0, 1651.0]))
+    bearing_rad = np.arctan2(*np.diff(road_m)[:, 0]) - np.radians(32.0)
+    slanted = drive(
+        seed=5,
+        length_m=1000.0,
+        path=lambda d: (
+            road_m[0][0] + (d - 500.0) * np.sin(bearing_rad),
+            road_m[1][0] + (d - 500.0) * np.cos(bearing_rad),
+        ),
+    )
+    (run,) = runs_of(core(profiles=[profile_of(first_run)]), slanted)
+    assert run.road.line.length_m > 900.0
 
 
 def test_three_laps_of_an_unknown_loop_are_three_runs_of_one_road() -> None:
@@ -162,6 +194,14 @@ def test_the_horizon_lies_ahead_of_the_vehicle(first_run: FinishedRun) -> None:
     assert np.std(np.array([point.alt_m for point in known], dtype=float) - truth_m) < 2.0
     end = next(at for at in seen if at.t_ns == START_NS + DAY_NS + 130 * SECOND_NS)
     assert [point.grade_pct for point in end.points if point.distance_m > 1200.0] == [None] * 40
+
+
+def test_the_position_moves_on_between_the_places(first_run: FinishedRun) -> None:
+    knowing = core(profiles=[profile_of(first_run)])
+    seen = horizons(knowing, drive(seed=9, length_m=1000.0, start_ns=START_NS + DAY_NS))
+    steps_m = np.diff([at.position_m for at in seen if at.position_m is not None])
+    assert len(steps_m) > 60
+    assert np.all(np.abs(steps_m - 15.0) < 1.5)
 
 
 def test_a_learned_road_is_on_the_horizon_from_then_on(first_run: FinishedRun) -> None:

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import msgspec
@@ -132,6 +133,20 @@ def test_space_does_not_grow_with_the_runs_but_for_the_ledger(engine: sa.Engine)
     for k in range(1, 12):
         store.save(run(k))
     assert counts(engine) == {**before, "slope_ledger": 12}
+
+
+def test_two_writers_at_once_count_every_run_once(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/slope.db"
+    engines = [open_database(url, PACKAGE) for _ in range(2)]
+    with ThreadPoolExecutor(2) as pool:
+        saved = [
+            pool.submit(SlopeStore(engine).save, run(k)) for k in range(30) for engine in engines
+        ]
+        answers = [future.result() for future in saved]
+    assert sum(len(answer) for answer in answers) == 30
+    assert counts(engines[0])["slope_ledger"] == 30
+    for engine in engines:
+        engine.dispose()
 
 
 def test_only_finished_runs_are_kept(engine: sa.Engine) -> None:
