@@ -46,6 +46,15 @@ class Feed:
         what = " ".join(f"{column} {value}" for column, value in wanted.items())
         raise InputError(f"{self.path} {table}.txt", f"no {what}", "name one that it has")
 
+    def sorted_rows(self, table: str, column: str, **wanted: str) -> list[Row]:
+        """The rows with the wanted values in the order of a column of whole numbers."""
+        try:
+            return sorted(self.rows(table, **wanted), key=lambda row: int(row[column]))
+        except (KeyError, ValueError):
+            raise InputError(
+                f"{self.path} {table}.txt", f"{column} is not a whole number", "correct the feed"
+            ) from None
+
     def _text(self, name: str) -> str:
         try:
             if self.path.is_dir():
@@ -69,7 +78,7 @@ def route_from_gtfs(path: Path, trip_id: str) -> Route:
     """
     feed = Feed(path)
     trip = feed.row("trips", trip_id=trip_id)
-    times = sorted(feed.rows("stop_times", trip_id=trip_id), key=_sequence)
+    times = feed.sorted_rows("stop_times", "stop_sequence", trip_id=trip_id)
     stops = _stops(feed, times)
     vertices = _vertices(feed, trip, stops)
     where = f"{path} trip {trip_id}"
@@ -77,8 +86,8 @@ def route_from_gtfs(path: Path, trip_id: str) -> Route:
     placed = place_stops(where, line, stops, loop=False)
     alongs_m = np.array([stop.distance_m for stop in placed])
     line = _with_vertices_at(line, alongs_m)
-    arrivals_s = np.array([_seconds(where, row["arrival_time"]) for row in times])
-    departures_s = np.array([_seconds(where, row["departure_time"]) for row in times])
+    arrivals_s = np.array([_seconds(where, row.get("arrival_time", "")) for row in times])
+    departures_s = np.array([_seconds(where, row.get("departure_time", "")) for row in times])
     return make_route(
         where,
         route_id="-".join(filter(None, (trip["route_id"], trip.get("direction_id")))),
@@ -93,10 +102,6 @@ def route_from_gtfs(path: Path, trip_id: str) -> Route:
             )
         ],
     )
-
-
-def _sequence(row: Row) -> int:
-    return int(row["stop_sequence"])
 
 
 def _stops(feed: Feed, times: Sequence[Row]) -> list[StopPlace]:
@@ -117,9 +122,7 @@ def _vertices(feed: Feed, trip: Row, stops: Sequence[StopPlace]) -> list[tuple[f
     shape_id = trip.get("shape_id")
     if not shape_id:
         return [(stop.lat_deg, stop.lon_deg) for stop in stops]
-    points = sorted(
-        feed.rows("shapes", shape_id=shape_id), key=lambda row: int(row["shape_pt_sequence"])
-    )
+    points = feed.sorted_rows("shapes", "shape_pt_sequence", shape_id=shape_id)
     return [_position(feed, row, "shape_pt_lat", "shape_pt_lon") for row in points]
 
 

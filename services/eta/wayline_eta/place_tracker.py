@@ -20,12 +20,12 @@ Floats = NDArray[np.float64]
 
 LINE_STD_M = 6.0
 """How far the drawn line may lie from the lane."""
-OFFSET_CAP_M = 60.0
-"""Farther away all places are alike; motion alone decides between them."""
+HEADING_STD_DEG = 30.0
+"""How far a vehicle's heading may lie from the line's, in bends and lane changes."""
+OUTLIER = 3.0
+"""In sigmas: beyond it a misfit counts in proportion, no longer squared (Huber)."""
 CORRELATION_S = 10.0
 """Errors of position last about so long: poses nearer in time are not new evidence."""
-WRONG_WAY_COST = 8.0
-"""Lost by heading against the line; half of it by crossing the line."""
 MOTION_SLACK_M = 5.0
 MOTION_SLACK_SHARE = 0.1
 """Odometer and line disagree by so much, and by so much of the distance travelled."""
@@ -61,14 +61,12 @@ class PlaceTracker:
         self._totals_m: Floats = np.empty(0)
         self._costs: Floats = np.empty(0)
         self._last: Pose | None = None
-        self._last_std_m = UNKNOWN_STD_M
 
     def observe(self, pose: Pose, lat_deg: float, lon_deg: float) -> Place:
         """Take the next pose with its position in degrees, and say where the vehicle is."""
         candidates = locally_nearest(self._route.line, lat_deg, lon_deg)
         turns_deg = _turns_deg(pose, candidates)
-        headings = WRONG_WAY_COST * (1.0 - np.cos(np.radians(turns_deg))) / 2.0
-        costs = self._emission(pose, candidates) + headings
+        costs = self._emission(pose, candidates, turns_deg)
         if self._last is None:
             totals_m = self._first_totals(candidates)
             costs = costs + EARLIEST_COST * totals_m / self._route.length_m
@@ -79,16 +77,15 @@ class PlaceTracker:
         place = self._place(pose, candidates, totals_m, turns_deg, best)
         kept = costs <= costs[best] + FORGET_COST
         self._totals_m, self._costs = totals_m[kept], costs[kept] - costs[best]
-        self._last, self._last_std_m = pose, place.along_std_m
+        self._last = pose
         return place
 
-    def _emission(self, pose: Pose, candidates: Candidates) -> Floats:
-        """Half the squared normalised offset, weighed by how much of it is new evidence."""
-        elapsed_s = CORRELATION_S if self._last is None else (pose.t_ns - self._last.t_ns) * 1e-9
-        weight = min(elapsed_s / CORRELATION_S, 1.0)
+    def _emission(self, pose: Pose, candidates: Candidates, turns_deg: Floats) -> Floats:
+        """Misfit of offset and heading, weighed by how much of them is new evidence."""
         std_m = math.hypot(position_std_m(pose, None), LINE_STD_M)
-        offsets_m = np.minimum(np.abs(candidates.offsets_m), OFFSET_CAP_M)
-        return np.asarray(0.5 * weight * (offsets_m / std_m) ** 2)
+        heading_std_deg = math.hypot(pose.heading_std_deg or 0.0, HEADING_STD_DEG)
+        offset_costs = _huber(np.abs(candidates.offsets_m) / std_m)
+        return _news(self._last, pose) * (offset_costs + _huber(turns_deg / heading_std_deg))
 
     def _first_totals(self, candidates: Candidates) -> Floats:
         alongs_m, length_m = candidates.alongs_m, self._route.length_m
@@ -105,7 +102,7 @@ class PlaceTracker:
         if self._route.loop:
             length_m = self._route.length_m
             surplus_m = (surplus_m + length_m / 2.0) % length_m - length_m / 2.0
-        slack_m = MOTION_SLACK_M + MOTION_SLACK_SHARE * abs(travelled_m) + self._last_std_m
+        slack_m = MOTION_SLACK_M + MOTION_SLACK_SHARE * abs(travelled_m)
         misfit = np.abs(surplus_m) / slack_m
         costs = self._costs[:, None] + misfit / (1.0 + misfit / JUMP_COST)
         earlier = np.argmin(costs, axis=0)
@@ -129,6 +126,24 @@ class PlaceTracker:
             position_std_m(pose, heading_deg + 90.0),
             float(turns_deg[best]),
         )
+
+
+def _news(last: Pose | None, pose: Pose) -> float:
+    """How much a pose tells that the last one did not, 0 to 1.
+
+    All after some seconds; or the share of variance that has gone, as a fix takes away what dead
+    reckoning did not know.
+    """
+    if last is None:
+        return 1.0
+    elapsed = (pose.t_ns - last.t_ns) * 1e-9 / CORRELATION_S
+    before_m, now_m = (math.hypot(position_std_m(one, None), LINE_STD_M) for one in (last, pose))
+    return min(max(elapsed, 1.0 - (now_m / before_m) ** 2), 1.0)
+
+
+def _huber(sigmas: Floats) -> Floats:
+    """Negative log likelihood of a misfit in sigmas, forgiving to outliers."""
+    return np.where(sigmas <= OUTLIER, 0.5 * sigmas**2, OUTLIER * sigmas - 0.5 * OUTLIER**2)
 
 
 def _turns_deg(pose: Pose, candidates: Candidates) -> Floats:

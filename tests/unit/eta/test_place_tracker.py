@@ -2,7 +2,16 @@
 
 import pytest
 
-from unit.eta.route_drives import SPUR, SQUARE, Metres, poses, route_of
+from unit.eta.route_drives import (
+    SECOND_NS,
+    SPUR,
+    SQUARE,
+    START_NS,
+    TOWN,
+    Metres,
+    poses,
+    route_of,
+)
 from wayline.messages import Pose
 from wayline_eta.place_tracker import Place, PlaceTracker, position_std_m, travelled_between_m
 
@@ -49,6 +58,73 @@ def test_a_short_cut_is_followed_at_once() -> None:
     places = [observe(tracker, pose) for pose, _ in poses(cut, [10.0] * 46)]
     assert places[8].total_m == pytest.approx(80.0, abs=1.0)
     assert places[-1].total_m == pytest.approx(1450.0, abs=1.0)
+
+
+def test_dead_reckoning_straight_on_in_a_bend_is_no_short_cut() -> None:
+    """The heading kept from before the bend fits a later leg better, 150 m away: no reason."""
+    bends: list[Metres] = [(0, 0), (0, -440), (-150, -440), (-150, -1000)]
+    tracker = PlaceTracker(route_of(bends))
+    for drive_pose, _ in poses(bends, [10.0] * 44):
+        observe(tracker, drive_pose)
+    for second in range(1, 26):
+        lat_deg, lon_deg = TOWN.to_geodetic(0.0, -430.0 - 3.0 * second)
+        place = observe(
+            tracker,
+            Pose(
+                t_ns=START_NS + (43 + second) * SECOND_NS,
+                mode="dead_reckoning",
+                lat_deg=lat_deg,
+                lon_deg=lon_deg,
+                heading_deg=180.0,
+                heading_std_deg=10.0 + second,
+                speed_mps=3.0,
+                distance_m=430.0 + 3.0 * second,
+                east_std_m=4.0 + second,
+                north_std_m=4.0 + second,
+            ),
+        )
+    assert place.total_m == pytest.approx(440.0, abs=5.0)
+
+
+def test_a_short_cut_to_a_street_near_by_is_followed_soon() -> None:
+    """The left street stays in reach and fits the motion; position and heading outweigh it."""
+    hairpin: list[Metres] = [(0, 0), (600, 0), (600, 150), (0, 150)]
+    cut: list[Metres] = [(0, 0), (100, 0), (100, 150), (0, 150)]
+    tracker = PlaceTracker(route_of(hairpin))
+    places = [observe(tracker, drive_pose) for drive_pose, _ in poses(cut, [10.0] * 33)]
+    assert places[8].total_m == pytest.approx(80.0, abs=1.0)
+    assert places[30].total_m == pytest.approx(1300.0, abs=1.0)
+
+
+def test_an_error_that_lasts_for_seconds_is_no_reason_to_jump() -> None:
+    """The route passes twice, 20 m apart; for 20 s the position lies nearer the other passage."""
+    twice: list[Metres] = [(0, 0), (600, 0), (600, 300), (0, 300), (0, 20), (600, 20)]
+    tracker = PlaceTracker(route_of(twice))
+    for second, (drive_pose, true_m) in enumerate(poses(twice, [10.0] * 50, noise_m=0.5)):
+        north_m = 15.0 if 20 <= second < 40 else 0.0
+        lat_deg, lon_deg = TOWN.to_geodetic(10.0 * second, north_m)
+        assert tracker.observe(drive_pose, lat_deg, lon_deg).total_m == pytest.approx(true_m, abs=5)
+
+
+def test_a_fix_after_dead_reckoning_is_news() -> None:
+    """Stood still for all it knew, then seen 340 m on, across a hairpin 140 m wide."""
+    hairpin: list[Metres] = [(0, 0), (300, 0), (300, -140), (0, -140)]
+    tracker = PlaceTracker(route_of(hairpin))
+
+    def seen(second: int, north_m: float, std_m: float) -> float:
+        lat_deg, lon_deg = TOWN.to_geodetic(200.0, north_m)
+        unmoved = Pose(
+            t_ns=START_NS + second * SECOND_NS,
+            mode="dead_reckoning",
+            speed_mps=0.0,
+            east_std_m=std_m,
+            north_std_m=std_m,
+        )
+        return tracker.observe(unmoved, lat_deg, lon_deg).total_m
+
+    for second in range(30):
+        assert seen(second, 0.0, 4.0 + 2.0 * second) == pytest.approx(200.0, abs=0.1)
+    assert seen(30, -140.0, 4.0) == pytest.approx(540.0, abs=0.5)
 
 
 def pose(distance_m: float, speed_mps: float | None, t_s: int = 0) -> Pose:
