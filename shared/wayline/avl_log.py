@@ -13,6 +13,8 @@ from wayline.inputs import PositionReport
 
 MILLISECONDS_FROM = 1e11
 """Plain numbers from here on are Unix time in milliseconds, below in seconds."""
+LATEST_NS = 4_102_444_800 * 1_000_000_000
+"""The year 2100; later times are none."""
 
 
 def read_reports(source: AvlSource) -> Iterator[PositionReport | None]:
@@ -107,17 +109,21 @@ def _time_ns(text: str, zone: zoneinfo.ZoneInfo, last_ns: int) -> int | None:
     unix = _number(text)
     if unix is not None:
         per_unit = 1_000 if unix >= MILLISECONDS_FROM else 1_000_000
-        return round(unix * per_unit) * 1_000 if 0.0 <= unix < 1e14 else None
+        return _plausible(round(unix * per_unit) * 1_000)
     try:
         written = dt.datetime.fromisoformat(text.strip())
     except ValueError:
         return None
     if written.tzinfo is not None:
-        return _unix_ns(written)
+        return _plausible(_unix_ns(written))
     t_ns = _unix_ns(written.replace(tzinfo=zone))
     if t_ns < last_ns:
-        return max(t_ns, _unix_ns(written.replace(tzinfo=zone, fold=1)))
-    return t_ns
+        t_ns = max(t_ns, _unix_ns(written.replace(tzinfo=zone, fold=1)))
+    return _plausible(t_ns)
+
+
+def _plausible(t_ns: int) -> int | None:
+    return t_ns if 0 <= t_ns < LATEST_NS else None
 
 
 def _unix_ns(instant: dt.datetime) -> int:

@@ -68,7 +68,7 @@ def time_of_day_ns(text: str) -> int | None:
 
 
 def date_of(day: str, month: str, year: str) -> dt.date | None:
-    """A day from its three fields; two-digit years are 1980 to 2079, GPS time starting in 1980."""
+    """A day from its three fields, 1980 (GPS time starts) to 2099; two digits end in 2079."""
     if not (day or month or year):
         return None
     numbers = count(day), count(month), count(year)
@@ -77,6 +77,8 @@ def date_of(day: str, month: str, year: str) -> dt.date | None:
     day_number, month_number, year_number = (part or 0 for part in numbers)
     if len(year) == 2:
         year_number += 1900 if year_number >= 80 else 2000
+    if not 1980 <= year_number < 2100:
+        raise BadFieldError(year)
     try:
         return dt.date(year_number, month_number, day_number)
     except ValueError:

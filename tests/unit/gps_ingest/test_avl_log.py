@@ -46,7 +46,15 @@ def test_the_hour_that_summer_time_repeats_goes_on(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "row", ["yesterday,38.9,-77.0,,", "1462459509,,-77.0,,", "1462459509,nan,-77.0,,", "1462459509"]
+    "row",
+    [
+        "yesterday,38.9,-77.0,,",
+        "1462459509,,-77.0,,",
+        "1462459509,nan,-77.0,,",
+        "1462459509",
+        "1e300,38.9,-77.0,,",
+        "9999-01-01,38.9,-77.0,,",
+    ],
 )
 def test_a_bad_row_is_none_and_the_next_is_read(tmp_path: Path, row: str) -> None:
     good = "1462459510,38.9,-77.0,,\n"

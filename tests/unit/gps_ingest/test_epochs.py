@@ -41,13 +41,16 @@ def test_the_next_epoch_closes_one_whose_end_is_not_known() -> None:
 
 
 def test_a_receiver_that_leaves_sentences_out_of_some_cycles_is_not_cut_short() -> None:
-    """GSA ends every cycle and stands in the middle of every second one."""
+    """GSA ends every cycle and stands in the middle of a longer one; recorded in gpsd's iTrek."""
     core = GpsIngestCore()
     out = []
-    for second in range(0, 20, 2):
-        out += fixes(hear(core, [rmc(f"1200{second:02d}"), gsa()]))
-        long = f"1200{second + 1:02d}"
+    for second in range(0, 20, 4):
+        for short in range(second, second + 3):
+            out += fixes(hear(core, [rmc(f"1200{short:02d}"), gsa()]))
+        long = f"1200{second + 3:02d}"
         out += fixes(hear(core, [gga(long), gsa(), rmc(long), gsa()]))
+    out += fixes(flush(core))
+    assert len(out) == 20
     assert all(fix.speed_mps is not None for fix in out)
 
 
@@ -103,15 +106,15 @@ def test_a_receiver_of_one_sentence_repeats_at_once() -> None:
 
 
 def test_an_epoch_in_two_bursts_is_one_fix() -> None:
-    """RMC comes at the start and at the end of every cycle: no repeat."""
+    """RMC comes in both halves of every cycle: no repeat, and what follows it still counts."""
     core = GpsIngestCore()
     out = []
     for second in range(10):
         time = f"1200{second:02d}"
-        out += fixes(hear(core, [rmc(time), gga(time), gsa(), rmc(time)]))
+        out += fixes(hear(core, [rmc(time), gga(time), rmc(time), gsa()]))
     out += fixes(flush(core))
     assert [fix.repeat for fix in out] == [False] * 10
-    assert all(fix.alt_m is not None for fix in out)
+    assert all(fix.alt_m is not None and fix.pdop is not None for fix in out)
 
 
 def test_times_of_different_precision_are_one_instant() -> None:
@@ -119,6 +122,7 @@ def test_times_of_different_precision_are_one_instant() -> None:
     hear(core, [line("GPGLL,3908.8200,N,00023.0832,W,120827.523"), gga("120827.52")])
     (fix,) = fixes(hear(core, [rmc("120827.52")]) + flush(core))
     assert fix.alt_m == 545.4
+    assert core.bad_input == 0
 
 
 def test_a_receiver_that_knows_no_time_ends_the_epoch_and_tells_nothing_else() -> None:

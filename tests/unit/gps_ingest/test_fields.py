@@ -69,7 +69,9 @@ def test_years_of_two_digits_start_with_gps_time(
     assert fields.date_of(day, month, year) == expected
 
 
-@pytest.mark.parametrize("parts", [("31", "02", "24"), ("xx", "02", "24"), ("01", "02", "")])
+@pytest.mark.parametrize(
+    "parts", [("31", "02", "24"), ("xx", "02", "24"), ("01", "02", ""), ("01", "02", "9999")]
+)
 def test_a_date_that_cannot_be_one_is_refused(parts: tuple[str, str, str]) -> None:
     with pytest.raises(fields.BadFieldError):
         fields.date_of(*parts)

@@ -101,6 +101,11 @@ def test_gsa_of_every_constellation_counts_towards_the_satellites_in_use() -> No
     assert (fix.pdop, fix.hdop, fix.vdop) == (1.5, 0.8, 1.2)
 
 
+def test_a_constellation_without_used_satellites_does_not_take_the_fix_away() -> None:
+    used = "GPGSA,A,2,01,02,03,,,,,,,,,,4.0,3.0,2.6"
+    assert fix_of(RMC, GGA, used, "GLGSA,A,1,,,,,,,,,,,,,4.0,3.0,2.6").mode == 2
+
+
 def test_mode_of_gsa_stands_over_an_altitude() -> None:
     assert fix_of(RMC, GGA, "GPGSA,A,2,01,02,03,,,,,,,,,,4.0,3.0,2.6").mode == 2
 
