@@ -17,8 +17,8 @@ PERIOD_S = 0.1
 HEARTBEAT_S = 5.0
 
 
-async def stream(websocket: WebSocket, live: LiveView) -> None:
-    """Serve a page until it goes.
+async def stream(websocket: WebSocket, live: LiveView, *, heartbeat_s: float = HEARTBEAT_S) -> None:
+    """Serve a page until it goes; where nothing changes it still gets a heartbeat.
 
     Nothing is queued: `send_text` waits while the socket is full, and the next turn reads the
     newest state. So a slow line gets fewer updates and costs no memory.
@@ -26,20 +26,22 @@ async def stream(websocket: WebSocket, live: LiveView) -> None:
     await websocket.accept(subprotocol=_protocol(websocket))
     gone = asyncio.create_task(_until_gone(websocket))
     try:
-        await _send_changes(websocket, live, gone)
+        await _send_changes(websocket, live, gone, heartbeat_s)
     except WebSocketDisconnect:
         pass  # it went while it was being sent to
     finally:
         gone.cancel()
 
 
-async def _send_changes(websocket: WebSocket, live: LiveView, gone: asyncio.Task[None]) -> None:
+async def _send_changes(
+    websocket: WebSocket, live: LiveView, gone: asyncio.Task[None], heartbeat_s: float
+) -> None:
     loop = asyncio.get_running_loop()
     cursor = Cursor()
     sent_s = loop.time()
     while not gone.done():
         view = live.read(cursor)
-        if view is None and loop.time() - sent_s >= HEARTBEAT_S:
+        if view is None and loop.time() - sent_s >= heartbeat_s:
             view = live.heartbeat()
         if view is not None:
             await websocket.send_text(_encode(view))

@@ -7,7 +7,6 @@ from browser.shuttle import SECOND_NS, Shuttle
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
 from wayline.messages import Pose
-from wayline_dashboard import stream
 from wayline_dashboard.app import create_dashboard
 from wayline_dashboard.live_view import LiveView
 
@@ -60,16 +59,6 @@ def test_a_page_gets_a_snapshot_then_changes(live: LiveView, page: Path) -> None
     [vehicle] = changes["vehicles"]
     assert (changes["kind"], vehicle["pose"]["mode"]) == ("changes", "lost")
     assert "arrivals" not in vehicle
-
-
-def test_a_silent_fleet_still_sends_a_sign_of_life(
-    live: LiveView, page: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(stream, "HEARTBEAT_S", 0.1)
-    with client(live, page).websocket_connect(LIVE) as websocket:
-        websocket.receive_json()
-        beat = websocket.receive_json()
-    assert (beat["kind"], beat["vehicles"], beat["services"]) == ("changes", [], None)
 
 
 def test_the_server_answers_with_the_protocol_and_never_the_token(

@@ -81,3 +81,18 @@ async def leave_at_once() -> None:
 
 def test_a_page_that_leaves_ends_its_stream_though_nothing_changes() -> None:
     asyncio.run(leave_at_once())
+
+
+async def listen_to_silence() -> list[dict[str, Any]]:
+    live, line = LiveView(), Line()
+    served = asyncio.create_task(stream(line.websocket(), live, heartbeat_s=0.1))
+    await until(line, 3)
+    line.leave()
+    await asyncio.wait_for(served, 1.0)
+    return line.taken
+
+
+def test_a_silent_fleet_still_sends_signs_of_life() -> None:
+    snapshot, beat, *_ = asyncio.run(listen_to_silence())
+    assert snapshot["kind"] == "snapshot"
+    assert (beat["kind"], beat["vehicles"], beat["services"]) == ("changes", [], None)

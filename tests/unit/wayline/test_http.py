@@ -6,6 +6,7 @@ from fastapi import FastAPI, WebSocket
 from fastapi.testclient import TestClient
 from prometheus_client import CollectorRegistry, Counter
 from starlette.testclient import WebSocketDenialResponse
+
 from wayline.errors import InputError
 from wayline.http import Healthz, JsonAnswer, answers, create_app
 from wayline.http_guard import TOKEN_PROTOCOL, is_known
@@ -140,7 +141,7 @@ def test_without_tokens_this_machine_may_ask(host: str) -> None:
 
 
 def test_without_tokens_a_foreign_page_gets_no_websocket() -> None:
-    foreign = {"origin": "http://evil.example"}
+    foreign = {"origin": "http://evil.example", "host": "localhost:8000"}
     client = make_client()
     with (
         pytest.raises(WebSocketDenialResponse) as refused,
@@ -151,6 +152,15 @@ def test_without_tokens_a_foreign_page_gets_no_websocket() -> None:
     own = {"origin": LOCAL, "host": "localhost:8000"}
     with client.websocket_connect("/v1/live", headers=own) as websocket:
         assert websocket.receive_text() == "hello"
+
+
+def test_behind_a_proxy_a_page_is_known_by_the_name_that_the_proxy_was_asked_for() -> None:
+    client = make_client(HttpSettings(behind_proxy=True))
+    headers = {"host": "127.0.0.1:8000", "x-forwarded-host": "fleet.example"}
+    own = headers | {"origin": "https://fleet.example"}
+    assert client.get("/v1/roads/7", headers=own).status_code == 200
+    foreign = headers | {"origin": "https://evil.example"}
+    assert client.get("/v1/roads/7", headers=foreign).status_code == 403
 
 
 GUARDED = HttpSettings(tokens=(TOKEN, "another-one"))

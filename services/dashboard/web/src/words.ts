@@ -26,7 +26,7 @@ export function countdown(seconds: number): string {
   if (seconds < 5) {
     return "now";
   }
-  if (seconds < 60) {
+  if (seconds < 57.5) {
     return `in ${Math.round(seconds / 5) * 5} s`;
   }
   const minutes = Math.round(seconds / 60);

@@ -205,7 +205,10 @@ export class FleetMap {
     }
     if (!bounds.isEmpty()) {
       const glides = animate && !this.still.matches;
-      this.map.fitBounds(bounds, { padding: 56, maxZoom: 17, animate: glides });
+      // the legend and the buttons lie over the right edge
+      const right = this.map.getContainer().clientWidth > 700 ? 200 : 70;
+      const padding = { top: 70, bottom: 50, left: 50, right };
+      this.map.fitBounds(bounds, { padding, maxZoom: 17, animate: glides });
     }
   }
 }

@@ -34,7 +34,7 @@ export const LIGHT: MapTheme = {
 
 export const DARK: MapTheme = {
   background: "#14191a",
-  grid: "#222a2b",
+  grid: "#293334",
   gridText: "#73807e",
   route: "#36423f",
   routeCasing: "#4d5b58",

@@ -9,6 +9,9 @@ import type { Stop } from "../view";
 import { clockRange, countdown, length } from "../words";
 import { routeNote } from "./positioning";
 
+/** They come every second; the eta service says itself when the position is old, if it can. */
+const OLD_MS = 10_000;
+
 export function arrivalsPanel(
   vehicle: Vehicle,
   nowMs: number,
@@ -34,9 +37,10 @@ function content(vehicle: Vehicle, nowMs: number): TemplateResult {
     return html`<p class="empty">${reason}</p>`;
   }
   const now = vehicleNowMs(vehicle, nowMs);
+  const isOld = arrivals.stale || now - Date.parse(arrivals.t) > OLD_MS;
   return html`
-    ${arrivals.stale ? html`<p class="warning">Predicted from an old position.</p>` : null}
-    <ol class=${arrivals.stale ? "stops stale" : "stops"}>
+    ${isOld ? html`<p class="warning">Predicted from an old position.</p>` : null}
+    <ol class=${isOld ? "stops stale" : "stops"}>
       ${arrivals.stops.map((stop) => stopRow(stop, now))}
     </ol>
   `;

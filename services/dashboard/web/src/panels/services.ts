@@ -39,7 +39,7 @@ function state(service: Service): string {
     return "down";
   }
   const parts = [];
-  if (service.out_rate_hz !== null) {
+  if (service.out_rate_hz !== null && service.out_rate_hz > 0) {
     parts.push(`${service.out_rate_hz.toFixed(service.out_rate_hz < 10 ? 1 : 0)}/s`);
   }
   if (service.lag_ms_p99 !== null) {
