@@ -30,9 +30,12 @@ OPTIONS = [
 ]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """One browser for all tests; each page has a fresh profile."""
+    """One browser for a file of tests; each page has a fresh profile.
+
+    Not for the session: its event loop would stay in the thread of the tests that come after.
+    """
     path = next(filter(None, map(shutil.which, NAMES)), None)
     if path is None:
         pytest.skip("Chromium is missing: apt-get install chromium")

@@ -12,6 +12,7 @@ from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse
 from starlette.routing import Route
+
 from wayline.errors import InputError
 from wayline.http_server import HttpServer
 from wayline.http_settings import HttpSettings
