@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import msgspec
+import pytest
 
 from wayline.core import Core
 from wayline.inputs import Frame
@@ -12,6 +13,11 @@ from wayline.node import Node
 from wayline.pipeline import Pipeline
 
 START_NS = 1_700_000_000_000_000_000
+
+
+def about(value: float, tolerance: float | None = None) -> Any:
+    """A number in a message that is compared approximately."""
+    return pytest.approx(value, abs=tolerance)
 
 
 def at(seconds: float) -> int:

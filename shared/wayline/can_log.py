@@ -1,6 +1,7 @@
 """Reads CAN recordings, whatever format python-can's LogReader opens."""
 
-import gzip
+import sys
+import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -11,7 +12,8 @@ from wayline.errors import InputError
 from wayline.inputs import Frame
 
 Reader = Iterator[can.Message]
-DAMAGED = (ValueError, IndexError, KeyError, TypeError, EOFError, can.CanError)
+FORMATS = "a CAN recording: .log .asc .blf .trc .csv .mf4, or one of these with .gz"
+DAMAGED = (ValueError, IndexError, KeyError, TypeError, EOFError, zlib.error, can.CanError)
 """What python-can's readers raise on damaged lines and records."""
 
 
@@ -42,6 +44,8 @@ class CanLog:
         reader = _open(path)
         try:
             yield from self._resumed(iter(reader), reader)
+        except OSError as error:
+            raise InputError(str(path), f"cannot be read ({error})", f"give {FORMATS}") from None
         finally:
             reader.stop()
 
@@ -50,7 +54,7 @@ class CanLog:
         while True:
             try:
                 yield from messages
-            except DAMAGED:
+            except _damage():
                 self.bad_input += 1
                 if not isinstance(reader, TextIOMessageReader):
                     return
@@ -61,11 +65,23 @@ class CanLog:
 
 def _open(path: Path) -> MessageReader:
     try:
+        if path.suffix == ".mf4" and _magic(path) != b"MDF":
+            raise ValueError("is no MDF file")
         return can.LogReader(path)
     except FileNotFoundError:
         raise InputError(str(path), "no such file", "check the path") from None
-    except (gzip.BadGzipFile, OSError, EOFError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "check the file") from None
-    except (ValueError, NotImplementedError) as error:
-        formats = ".log .asc .blf .trc .csv .mf4, or one of these with .gz"
-        raise InputError(str(path), str(error), f"give a CAN recording: {formats}") from None
+    except (OSError, NotImplementedError) as error:
+        raise InputError(str(path), str(error), f"give {FORMATS}") from None
+    except _damage() as error:
+        raise InputError(str(path), str(error), f"give {FORMATS}") from None
+
+
+def _damage() -> tuple[type[Exception], ...]:
+    """Exceptions that mean damage; asammdf's own only exists once an MF4 file was opened."""
+    asammdf = sys.modules.get("asammdf.blocks.utils")
+    return DAMAGED if asammdf is None else (*DAMAGED, asammdf.MdfException)
+
+
+def _magic(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(3)

@@ -81,7 +81,9 @@ def replay_command(
     """Run a recorded drive through the whole system, as fast as it goes."""
     outages = [parse_outage(text) for text in gps_outage or []]
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    hidden = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
         task = bar.add_task("opening the drive")
 
         def progressed(duration_s: float) -> None:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import msgspec
 
 from wayline.geo import LocalPlane, wrap_360
+from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
 from wayline_fusion.events import Event, Fix, WheelSpeed
@@ -115,6 +116,9 @@ class Estimator:
         total_s = (t_ns - memory.t_ns) * 1e-9
         if total_s <= 0.0:
             return
+        if total_s > LONGEST_GAP_NS * 1e-9:
+            self._start_over(t_ns)
+            return
         steps = math.ceil(total_s / LONGEST_STEP_S - 1e-9)
         distance_m = memory.distance_m
         for step in range(steps):
@@ -126,6 +130,12 @@ class Estimator:
             distance_m += abs(float(self.filter.x[States.SPEED])) * dt_s
         self._remember(t_ns=t_ns, distance_m=distance_m)
         self._move_plane()
+
+    def _start_over(self, t_ns: int) -> None:
+        """After a silence that no prediction can bridge only the calibration is still good."""
+        self.filter.forget_motion()
+        distance_m = self.memory.distance_m
+        self.memory = Memory(t_ns=t_ns, distance_m=distance_m)
 
     def _move_plane(self) -> None:
         """Put the origin under the vehicle; north turns by the convergence of the meridians."""
@@ -168,6 +178,8 @@ class Estimator:
         else:
             self._position(fix, *plane.to_plane(fix.lat_deg, fix.lon_deg))
         if fix.speed_mps is not None:
+            if not self.wheels_fresh and self.filter.x[States.SPEED] < 0.0:
+                self.filter.go_forward()
             self._gated(self.filter.gps_speed(fix.speed_mps, fix.speed_std_mps), fix.t_ns)
             self._course(fix, fix.speed_mps)
 

@@ -207,6 +207,22 @@ class HorizontalFilter(ExtendedKalmanFilter):  # type: ignore[misc]
         self.P[S.HEADING, :] = self.P[:, S.HEADING] = 0.0
         self.P[S.HEADING, S.HEADING] = std_rad**2
 
+    def forget_motion(self) -> None:
+        """Forget position, heading, speed and the fixes' error; keep the sensors' calibration."""
+        self.x, self.P = self.x.copy(), self.P.copy()
+        initial = np.square(self._initial_stds())
+        for state in (S.EAST, S.NORTH, S.HEADING, S.SPEED, S.GPS_EAST, S.GPS_NORTH):
+            self.x[state] = 0.0
+            self.P[state, :] = self.P[:, state] = 0.0
+            self.P[state, state] = initial[state]
+
+    def go_forward(self) -> None:
+        """Forget a speed that noise made negative, where no wheel has said reverse."""
+        self.x, self.P = self.x.copy(), self.P.copy()
+        self.x[S.SPEED] = 0.0
+        self.P[S.SPEED, :] = self.P[:, S.SPEED] = 0.0
+        self.P[S.SPEED, S.SPEED] = self._tuning.acceleration_noise_mps_per_sqrt_s**2
+
     def std(self, state: States) -> float:
         """One sigma of a state."""
         return math.sqrt(max(self.P[state, state], 0.0))

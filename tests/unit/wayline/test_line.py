@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from wayline.geo import LocalPlane
 from wayline.line import Line
 
