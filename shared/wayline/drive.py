@@ -69,16 +69,24 @@ class Clock(Strict, frozen=True, kw_only=True):
     signal: str
 
 
-class CanSource(Strict, frozen=True, kw_only=True):
+class CanMapping(Strict, frozen=True, kw_only=True):
+    """What a recorded and a live bus have in common: databases, mapping, clock."""
+
+    dbc: tuple[str, ...] = ()
+    signals: dict[str, SignalMapping] = {}
+    j1939: bool = False
+    """Match by PGN, whatever source address and priority; "not available" is null."""
+    clock_offset_s: float = 0.0
+    """Added to the source's times to make them UTC."""
+    clock: Clock | None = None
+
+
+class CanSource(CanMapping, frozen=True, kw_only=True):
     """`[[can]]`: anything that python-can's LogReader opens, and the mapping of its signals."""
 
     path: str | tuple[str, ...]
-    dbc: tuple[str, ...] = ()
-    signals: dict[str, SignalMapping] = {}
     channel: str | int | None = None
-    j1939: bool = False
-    clock_offset_s: float = 0.0
-    clock: Clock | None = None
+    """Read only this one of the recording's channels."""
 
     @property
     def paths(self) -> tuple[str, ...]:

@@ -104,7 +104,8 @@ class DriveStream:
         self, source: CanSource, vehicle: Vehicle, where: str, name: str
     ) -> Iterator[tuple[int, str, Message]]:
         databases = load_databases([Path(path) for path in source.dbc])
-        core = CanIngestCore(source, compile_mapping(source, databases, vehicle, where), vehicle)
+        mapping = compile_mapping(source, databases, vehicle, where)
+        core = CanIngestCore(source, mapping, vehicle, channel=source.channel)
         log = CanLog([Path(path) for path in source.paths])
         self._counters[name] = lambda: core.bad_input + core.dropped + log.bad_input
         return _translated(log, core.handle, name, lambda frame, _: core.arrival_ns(frame))

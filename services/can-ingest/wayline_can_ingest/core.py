@@ -6,7 +6,7 @@ from typing import ClassVar
 import msgspec
 
 from wayline.clock import SteadyClock
-from wayline.drive import CanSource, Vehicle
+from wayline.drive import CanMapping, Vehicle
 from wayline.inputs import Flush, Frame, Tick
 from wayline.messages import TOPICS, Message
 from wayline_can_ingest.fix import SpreadFix
@@ -27,9 +27,16 @@ class CanIngestCore:
     reads: ClassVar[frozenset[type[Message]]] = frozenset()
     period_ns: ClassVar[int | None] = None
 
-    def __init__(self, source: CanSource, mapping: Mapping, vehicle: Vehicle) -> None:
+    def __init__(
+        self,
+        source: CanMapping,
+        mapping: Mapping,
+        vehicle: Vehicle,
+        *,
+        channel: str | int | None = None,
+    ) -> None:
         self._source = source
-        self._channel = None if source.channel is None else str(source.channel)
+        self._channel = None if channel is None else str(channel)
         self._mapping = mapping
         self._reference_torque_nm = vehicle.engine_reference_torque_nm
         self._latest: dict[tuple[str, str], float | None] = {}

@@ -8,7 +8,7 @@ from cantools.database.can import Message as DbcMessage
 from cantools.database.can.signal import Signal
 from cantools.database.errors import DecodeError
 
-from wayline.drive import CanSource, Vehicle
+from wayline.drive import CanMapping, Vehicle
 from wayline.errors import InputError
 from wayline.inputs import Frame
 from wayline_can_ingest.quantity import (
@@ -107,7 +107,7 @@ def pgn_of(identifier: int) -> int:
 
 
 def compile_mapping(
-    source: CanSource, databases: Sequence[Database], vehicle: Vehicle, where: str
+    source: CanMapping, databases: Sequence[Database], vehicle: Vehicle, where: str
 ) -> Mapping:
     """Check every mapping against its database; InputError names the key and the mend.
 
@@ -192,7 +192,7 @@ def _check_quantity(quantity: str, where: str) -> None:
         raise InputError(where, f'[can.signals] cannot map "{quantity}"', mend)
 
 
-def _check_torque(source: CanSource, vehicle: Vehicle, where: str) -> None:
+def _check_torque(source: CanMapping, vehicle: Vehicle, where: str) -> None:
     known = vehicle.engine_reference_torque_nm is not None
     mapped = "vehicle.engine_reference_torque_nm" in source.signals
     if "torque.engine_torque_pct" in source.signals and not (known or mapped):

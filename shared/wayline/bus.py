@@ -1,0 +1,173 @@
+"""The bus: a Zenoh session, publishers that late joiners can ask, subscribers that recover.
+
+Callbacks only hand samples on; what they call must not block and must not call Zenoh.
+"""
+
+import json
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import zenoh
+import zenoh.ext
+from zenoh import CongestionControl
+
+from wayline.codec import ENCODING
+from wayline.errors import InputError
+from wayline.keys import message_key
+from wayline.messages import MESSAGES, TOPICS, Message
+from wayline.settings import BusSettings
+
+HEARTBEAT_S = 0.5
+"""How soon a subscriber notices that the last sample was lost."""
+SLOWEST_FAST_HZ = 5.0
+"""Topics above this rate are streams; the others are states, whose newest value joiners get."""
+CACHED_S = 3.0
+"""Seconds of a stream that can be recovered after a loss."""
+
+
+class Qos(NamedTuple):
+    """How a topic travels."""
+
+    cache_depth: int
+    """Samples that its publisher keeps, for recovery and late joiners."""
+    history_depth: int
+    """Samples that a late joiner asks for; 0 for a stream of raw samples."""
+    congestion_control: CongestionControl
+    """A reader that does not keep up loses samples and recovers them; nothing waits for it."""
+
+
+def _qos(message: type[Message]) -> Qos:
+    fast = message.rate_hz > SLOWEST_FAST_HZ and message is not TOPICS["pose"]
+    cache_depth = max(10, round(message.rate_hz * CACHED_S))
+    return Qos(cache_depth, 0 if fast else 1, CongestionControl.DROP)
+
+
+QOS: dict[str, Qos] = {message.topic: _qos(message) for message in MESSAGES}
+"""The one table of cache depth, history and congestion control, by topic."""
+
+
+def open_session(settings: BusSettings) -> zenoh.Session:
+    """A client session. It waits for its router and comes back by itself when that restarts.
+
+    Raises InputError where the router refuses the user or an endpoint makes no sense.
+    """
+    try:
+        return zenoh.open(client_config(settings))
+    except zenoh.ZError as error:
+        where = f"bus {', '.join(settings.connect)}"
+        mend = "check bus.connect, bus.user and the password"
+        raise InputError(where, f"cannot be opened ({error})", mend) from None
+
+
+def client_config(settings: BusSettings) -> zenoh.Config:
+    """Zenoh's configuration of a service: client mode, no multicast, timestamps."""
+    config = zenoh.Config()
+    entries: dict[str, object] = {
+        "mode": "client",
+        "connect/endpoints": list(settings.connect),
+        "connect/timeout_ms": -1,
+        "connect/exit_on_failure": False,
+        "connect/retry": {"period_init_ms": 200, "period_max_ms": 1000},
+        "scouting/multicast/enabled": False,
+        "timestamping/enabled": True,
+        # a full queue towards a slow router drops at once instead of making the vehicle wait
+        "transport/link/tx/queue/congestion_control/drop/wait_before_drop": 1000,
+    }
+    if settings.user is not None:
+        entries["transport/auth/usrpwd/user"] = settings.user
+        entries["transport/auth/usrpwd/password"] = settings.password or ""
+    tls = {
+        "root_ca_certificate": settings.tls_root_ca,
+        "connect_certificate": settings.tls_cert,
+        "connect_private_key": settings.tls_key,
+    }
+    entries |= {f"transport/link/tls/{key}": path for key, path in tls.items() if path}
+    for key, value in entries.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+class Publishers:
+    """One publisher a key, declared when first used."""
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self._session = session
+        self._publishers: dict[str, zenoh.ext.AdvancedPublisher] = {}
+
+    def put(self, vehicle_id: str, topic: str, source: str, payload: bytes) -> None:
+        """Publish a message's payload; never waits for a reader."""
+        key = message_key(vehicle_id, topic, source)
+        publisher = self._publishers.get(key)
+        if publisher is None:
+            publisher = self._publishers[key] = self._declare(key, topic)
+        publisher.put(payload)
+
+    def close(self) -> None:
+        """Undeclare every publisher."""
+        for publisher in self._publishers.values():
+            publisher.undeclare()  # type: ignore[no-untyped-call]
+        self._publishers.clear()
+
+    def _declare(self, key: str, topic: str) -> zenoh.ext.AdvancedPublisher:
+        qos = QOS[topic]
+        return zenoh.ext.declare_advanced_publisher(
+            self._session,
+            key,
+            encoding=ENCODING,
+            congestion_control=qos.congestion_control,
+            cache=zenoh.ext.CacheConfig(qos.cache_depth),
+            sample_miss_detection=zenoh.ext.MissDetectionConfig(
+                heartbeat=None, sporadic_heartbeat=HEARTBEAT_S
+            ),
+            publisher_detection=True,
+        )
+
+
+OnSample = Callable[[str, bytes], None]
+"""Gets key and payload on Zenoh's thread; only enqueues."""
+OnMiss = Callable[[int], None]
+"""Gets the number of samples that are lost for good."""
+
+
+class Subscription:
+    """Subscribers to some topics of some vehicles."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        vehicle_ids: Iterable[str],
+        topics: Iterable[str],
+        on_sample: OnSample,
+        on_miss: OnMiss = lambda _: None,
+    ) -> None:
+        names = tuple(topics)
+        self._subscribers = [
+            self._subscribe(session, message_key(vehicle_id, topic, "*"), topic, on_sample)
+            for vehicle_id in vehicle_ids
+            for topic in names
+        ]
+        self._listeners = [
+            subscriber.sample_miss_listener(lambda miss: on_miss(miss.nb))
+            for subscriber in self._subscribers
+        ]
+
+    def close(self) -> None:
+        """Undeclare every subscriber."""
+        for listener in self._listeners:
+            listener.undeclare()  # type: ignore[no-untyped-call]
+        for subscriber in self._subscribers:
+            subscriber.undeclare()  # type: ignore[no-untyped-call]
+
+    @staticmethod
+    def _subscribe(
+        session: zenoh.Session, key: str, topic: str, on_sample: OnSample
+    ) -> zenoh.ext.AdvancedSubscriber[None]:
+        depth = QOS[topic].history_depth
+        history = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=depth)
+        return zenoh.ext.declare_advanced_subscriber(
+            session,
+            key,
+            lambda sample: on_sample(str(sample.key_expr), sample.payload.to_bytes()),
+            history=history if depth else None,
+            recovery=zenoh.ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
+        )

@@ -1,0 +1,157 @@
+"""Reads the configuration file of the services; the environment overrides identity and secrets."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Literal
+
+import msgspec
+from msgspec import Meta
+
+from wayline.drive import CanMapping, Vehicle, VehicleId
+from wayline.errors import InputError
+from wayline.http_settings import PORTS, HttpSettings
+from wayline.toml import Strict, load_toml
+from wayline.tuning import Tuning
+
+ServiceName = Literal["gps-ingest", "can-ingest", "fusion", "eta", "slope-map", "dashboard"]
+Port = Annotated[int, Meta(ge=0, le=65535)]
+EVERY_VEHICLE = "*"
+
+
+class BusSettings(Strict, frozen=True, kw_only=True):
+    """`[bus]`"""
+
+    connect: tuple[str, ...] = ("tcp/127.0.0.1:7447",)
+    """Endpoints of the router, tried in order."""
+    user: str | None = None
+    password: str | None = None
+    """Where the router asks for them; better in WAYLINE_ZENOH_PASSWORD than in a file."""
+    tls_root_ca: str | None = None
+    """PEM file with the authority that signed the router's certificate, for tls/ endpoints."""
+    tls_cert: str | None = None
+    """PEM file with this machine's own certificate, where the router asks for one."""
+    tls_key: str | None = None
+    """PEM file with its private key."""
+
+
+class LiveNmea(Strict, frozen=True, kw_only=True):
+    """`[[nmea]]`: a receiver."""
+
+    url: Annotated[str, Meta(pattern=r"^(serial|tcp|udp|gpsd)://")]
+    """serial:///dev/ttyUSB0, tcp://host:port, udp://:port or gpsd://host:2947"""
+    baud: Annotated[int, Meta(gt=0)] = 9600
+    """Of a serial line."""
+
+
+class LiveCan(CanMapping, frozen=True, kw_only=True):
+    """`[[can]]`: a bus, by python-can's names of interface and channel."""
+
+    interface: str
+    channel: str | int
+    bitrate: Annotated[int, Meta(gt=0)] | None = None
+
+
+class RerunSettings(Strict, frozen=True, kw_only=True):
+    """`[rerun]`: fusion's live view."""
+
+    enabled: bool = False
+    port: Port = 9876
+    """On loopback: rerun+http://127.0.0.1:9876/proxy"""
+    memory_limit: str = "256MB"
+    """What late viewers can still see."""
+    record: str | None = None
+    """Also write an .rrd file there."""
+
+
+class Settings(Strict, frozen=True, kw_only=True):
+    """A whole `wayline.toml`; one file may serve all services of a machine."""
+
+    vehicle_id: VehicleId | None = None
+    """The vehicle that this machine rides on."""
+    vehicles: tuple[Literal["*"] | VehicleId, ...] = ()
+    """On a server: the vehicles served; `["*"]` is every vehicle heard."""
+    services: tuple[ServiceName, ...] = ()
+    """What `wayline up` runs."""
+    router: bool = False
+    """`wayline up` also runs a router on the first endpoint of `bus.connect`."""
+    database_url: str | None = None
+    """SQLite file or PostgreSQL, e.g. sqlite:////var/lib/wayline/wayline.db"""
+    routes: tuple[str, ...] = ()
+    """GeoJSON files of the routes, relative to this file."""
+    bus: BusSettings = msgspec.field(default_factory=BusSettings)
+    http: HttpSettings = msgspec.field(default_factory=HttpSettings)
+    ports: dict[ServiceName, Port] = {}
+    """HTTP ports where they differ from the services' own."""
+    rerun: RerunSettings = msgspec.field(default_factory=RerunSettings)
+    nmea: tuple[LiveNmea, ...] = ()
+    can: tuple[LiveCan, ...] = ()
+    vehicle: Vehicle = msgspec.field(default_factory=Vehicle)
+    tuning: Tuning = msgspec.field(default_factory=Tuning)
+
+    def served(self) -> tuple[str, ...]:
+        """The vehicles served, `("*",)` for every one. Raises InputError where none is named."""
+        served = self.vehicles or ((self.vehicle_id,) if self.vehicle_id else ())
+        if served:
+            return (EVERY_VEHICLE,) if EVERY_VEHICLE in served else served
+        raise InputError(
+            "configuration",
+            "no vehicle is named",
+            'set vehicle_id or WAYLINE_VEHICLE_ID, or vehicles = ["*"]',
+        )
+
+    def own_vehicle(self) -> str:
+        """The vehicle that this machine rides on. Raises InputError where it is not named."""
+        if self.vehicle_id is None:
+            mend = "set vehicle_id or WAYLINE_VEHICLE_ID"
+            raise InputError("configuration", "no vehicle is named", mend)
+        return self.vehicle_id
+
+    def http_of(self, service: str) -> HttpSettings:
+        """HTTP settings of one service, with its port."""
+        port = next((p for name, p in self.ports.items() if name == service), self.http.port)
+        return msgspec.structs.replace(self.http, port=PORTS[service] if port is None else port)
+
+
+def load_settings(path: Path, environment: Mapping[str, str] = os.environ) -> Settings:
+    """Read a configuration file; paths in it become absolute, the environment overrides.
+
+    Raises InputError for a missing file, an unknown key or a value that does not fit.
+    """
+    settings = load_toml(path, Settings)
+    folder = path.resolve().parent
+
+    def absolute(name: str) -> str:
+        return str(folder / name)
+
+    settings = msgspec.structs.replace(
+        settings,
+        routes=tuple(absolute(route) for route in settings.routes),
+        can=tuple(
+            msgspec.structs.replace(can, dbc=tuple(absolute(dbc) for dbc in can.dbc))
+            for can in settings.can
+        ),
+    )
+    return overridden(settings, environment)
+
+
+def overridden(settings: Settings, environment: Mapping[str, str]) -> Settings:
+    """Settings with what the environment says (SPEC section 2)."""
+    bus, http = settings.bus, settings.http
+    if connect := environment.get("WAYLINE_ZENOH_CONNECT"):
+        bus = msgspec.structs.replace(bus, connect=tuple(connect.split(",")))
+    if password := environment.get("WAYLINE_ZENOH_PASSWORD"):
+        bus = msgspec.structs.replace(bus, password=password)
+    if token := environment.get("WAYLINE_HTTP_TOKEN"):
+        http = msgspec.structs.replace(http, tokens=(*http.tokens, token))
+    changed = {
+        "vehicle_id": environment.get("WAYLINE_VEHICLE_ID", settings.vehicle_id),
+        "database_url": environment.get("WAYLINE_DATABASE_URL", settings.database_url),
+        "bus": bus,
+        "http": http,
+    }
+    try:
+        whole = msgspec.structs.replace(settings, **changed)
+        return msgspec.convert(msgspec.to_builtins(whole), Settings)
+    except msgspec.ValidationError as error:
+        raise InputError("environment", str(error), "correct the WAYLINE_ variable") from None
