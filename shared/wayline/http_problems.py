@@ -7,6 +7,8 @@ from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
+from wayline.query_error import QueryError
+
 MEDIA_TYPE = "application/problem+json"
 
 
@@ -45,10 +47,20 @@ def problem(status: int, detail: str | None, instance: str) -> Problem:
     return Problem(title=title, status=status, detail=detail, instance=instance)
 
 
+def query_problem(error: QueryError, instance: str) -> Problem:
+    """A query error as a problem; `instance` is the path or key that was asked."""
+    refused = problem(error.status, str(error), instance)
+    if error.parameter is None:
+        return refused
+    invalid = (InvalidParameter(error.parameter, error.detail),)
+    return msgspec.structs.replace(refused, invalid=invalid)
+
+
 def answer_with_problems(app: FastAPI) -> None:
     """Make every error of the app a problem, those of the framework included."""
     app.add_exception_handler(HTTPException, _http_exception)
     app.add_exception_handler(RequestValidationError, _invalid_request)
+    app.add_exception_handler(QueryError, _unanswered)
     app.add_exception_handler(Exception, _bug)
 
 
@@ -69,6 +81,11 @@ def _invalid_request(request: Request, error: Exception) -> Response:
     detail = "; ".join(f"{parameter.name}: {parameter.reason}" for parameter in invalid)
     unfit = problem(422, detail, request.url.path)
     return ProblemResponse(msgspec.structs.replace(unfit, invalid=invalid))
+
+
+def _unanswered(request: Request, error: Exception) -> Response:
+    assert isinstance(error, QueryError)  # noqa: S101 - what it is registered for
+    return ProblemResponse(query_problem(error, request.url.path))
 
 
 def _bug(request: Request, _: Exception) -> Response:
