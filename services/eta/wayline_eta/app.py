@@ -1,0 +1,139 @@
+"""Eta's HTTP: routes, vehicles and their arrivals (SPEC section 5)."""
+
+from collections.abc import Callable, Iterable, Sequence
+from urllib.parse import quote
+
+import msgspec
+from fastapi import FastAPI, Request
+from prometheus_client import CollectorRegistry
+
+from wayline import __version__
+from wayline.geojson import FeatureCollection
+from wayline.http import Healthz, JsonAnswer, answers, create_app
+from wayline.http_settings import HttpSettings
+from wayline.parameters import describe_parameters
+from wayline.query_error import QueryError
+from wayline.route import Route, route_features
+from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
+from wayline_eta.board import ArrivalsParameters, EtaBoard, answer_arrivals
+
+GEO_JSON = "application/geo+json"
+
+
+class RouteSummary(msgspec.Struct, frozen=True, kw_only=True):
+    """A route and where its GeoJSON is."""
+
+    route_id: str
+    name: str
+    loop: bool
+    length_m: float
+    stops: int
+    href: str
+
+
+class RouteSummaries(msgspec.Struct, frozen=True):
+    """Every route that vehicles may follow."""
+
+    routes: tuple[RouteSummary, ...]
+
+
+def create_eta_app(
+    board: EtaBoard,
+    routes: Iterable[Route],
+    settings: HttpSettings,
+    *,
+    healthz: Callable[[], Healthz] | None = None,
+    registry: CollectorRegistry | None = None,
+) -> FastAPI:
+    """The app that answers from what is put on the board.
+
+    Raises InputError for settings that would be too open.
+    """
+    app = create_app(
+        title="Wayline eta",
+        version=__version__,
+        healthz=healthz or _works,
+        settings=settings,
+        registry=registry,
+        structs=(RouteSummaries, FeatureCollection, VehicleList, ArrivalList),
+    )
+    known_routes = tuple(routes)
+    _add_routes(app, {route.route_id: route for route in known_routes})
+    _add_vehicles(app, board)
+    _add_stops(app, board, known_routes)
+    return app
+
+
+def _works() -> Healthz:
+    return Healthz(ok=True, service="eta", version=__version__)
+
+
+def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:
+    summaries = RouteSummaries(tuple(_summary(route) for route in routes.values()))
+    collections = {name: FeatureCollection(route_features(it)) for name, it in routes.items()}
+
+    @app.get("/v1/routes", responses=answers(RouteSummaries), tags=["routes"])
+    async def route_list() -> JsonAnswer:
+        """The routes that vehicles may follow."""
+        return JsonAnswer(summaries)
+
+    @app.get("/v1/routes/{route_id:path}", responses=_geo_json(), tags=["routes"])
+    async def route(route_id: str) -> JsonAnswer:
+        """A route's line and stops as GeoJSON."""
+        if route_id not in collections:
+            raise QueryError(404, f"no route {route_id}; /v1/routes lists them")
+        return JsonAnswer(collections[route_id], media_type=GEO_JSON)
+
+
+def _summary(route: Route) -> RouteSummary:
+    return RouteSummary(
+        route_id=route.route_id,
+        name=route.name,
+        loop=route.loop,
+        length_m=route.length_m,
+        stops=len(route.stops),
+        href=f"/v1/routes/{quote(route.route_id, safe='')}",
+    )
+
+
+def _geo_json() -> dict[int | str, dict[str, object]]:
+    described = answers(FeatureCollection)
+    [schema] = described[200].pop("content").values()
+    return {200: {**described[200], "content": {GEO_JSON: schema}}}
+
+
+def _add_vehicles(app: FastAPI, board: EtaBoard) -> None:
+    # coroutines: an answer takes less time than its way to another thread and back
+
+    @app.get("/v1/vehicles", responses=answers(VehicleList), tags=["vehicles"])
+    async def vehicles() -> JsonAnswer:
+        """Every vehicle that was heard."""
+        return JsonAnswer(board.vehicles())
+
+    @app.get("/v1/vehicles/{vehicle_id}", responses=answers(VehicleAnswer), tags=["vehicles"])
+    async def vehicle(vehicle_id: str) -> JsonAnswer:
+        """Where a vehicle is, and where along its route."""
+        return JsonAnswer(board.vehicle(vehicle_id))
+
+    @app.get(
+        "/v1/vehicles/{vehicle_id}/arrivals",
+        responses=answers(ArrivalList),
+        openapi_extra=describe_parameters(ArrivalsParameters),
+        tags=["arrivals"],
+    )
+    async def vehicle_arrivals(vehicle_id: str, request: Request) -> JsonAnswer:
+        """A vehicle's next arrival at every stop, soonest first."""
+        return JsonAnswer(answer_arrivals(board, vehicle_id, request.query_params))
+
+
+def _add_stops(app: FastAPI, board: EtaBoard, routes: Sequence[Route]) -> None:
+    stop_ids = frozenset(stop.stop_id for route in routes for stop in route.stops)
+
+    @app.get("/v1/stops/{stop_id:path}/arrivals", responses=answers(ArrivalList), tags=["arrivals"])
+    async def stop_arrivals(stop_id: str) -> JsonAnswer:
+        """Every vehicle's next arrival at a stop, soonest first."""
+        if stop_id not in stop_ids:
+            raise QueryError(
+                404, f"no route has a stop {stop_id}; the GeoJSON of routes lists them"
+            )
+        return JsonAnswer(board.stop_arrivals(stop_id))

@@ -1,0 +1,121 @@
+"""What eta knows of all vehicles, shared by the thread that hears the bus with those that answer.
+
+One thread calls `put`, any others the rest. The lock is held for microseconds: nothing is
+computed or encoded under it.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta
+
+from wayline.messages import Message
+from wayline.parameters import read_parameters
+from wayline.query_error import QueryError
+from wayline.tuning import Tuning
+from wayline_eta.answers import (
+    ArrivalList,
+    VehicleAnswer,
+    VehicleList,
+    arrival_answers,
+    soonest_first,
+    vehicle_answer,
+)
+from wayline_eta.known import Known
+
+NO_PARAMETERS: Mapping[str, str] = MappingProxyType({})
+
+
+class ArrivalsParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """What a question for a vehicle's arrivals may say."""
+
+    stop_id: (
+        Annotated[str, Meta(description="Only the arrival at this stop")] | msgspec.UnsetType
+    ) = msgspec.UNSET
+
+
+class EtaBoard:
+    """The newest messages of every vehicle; `clock_ns` is any clock that only goes forward.
+
+    Arrivals that rest on something older than `forget_after_s` are not told.
+    """
+
+    def __init__(
+        self,
+        clock_ns: Callable[[], int] = time.monotonic_ns,
+        *,
+        forget_after_s: float = Tuning().eta_forget_after_s,
+    ) -> None:
+        self._clock_ns, self._forget_after_s = clock_ns, forget_after_s
+        self._lock = threading.Lock()
+        self._vehicles: dict[str, Known] = {}
+
+    def put(self, vehicle_id: str, message: Message, source: str) -> None:
+        """Take a message of a vehicle: Pose, GpsFix, Progress or Arrivals; others are ignored."""
+        with self._lock:
+            known = self._vehicles.get(vehicle_id, Known())
+            now = known.with_message(message, source, self._clock_ns())
+            if now is not known:
+                self._vehicles[vehicle_id] = now
+
+    def vehicle_ids(self) -> list[str]:
+        """Every vehicle that was ever heard."""
+        with self._lock:
+            return sorted(self._vehicles)
+
+    def vehicle(self, vehicle_id: str) -> VehicleAnswer:
+        """One vehicle. Raises QueryError (404) for one that was never heard."""
+        known, now_ns = self._look(vehicle_id)
+        return vehicle_answer(vehicle_id, known, now_ns)
+
+    def vehicles(self) -> VehicleList:
+        """All vehicles by id."""
+        vehicles, now_ns = self._look_at_all()
+        answers = (vehicle_answer(name, vehicles[name], now_ns) for name in sorted(vehicles))
+        return VehicleList(tuple(answers))
+
+    def arrivals(self, vehicle_id: str) -> ArrivalList:
+        """One vehicle's next arrivals. Raises QueryError (404) for one that was never heard."""
+        known, now_ns = self._look(vehicle_id)
+        return soonest_first(arrival_answers(vehicle_id, known, now_ns, self._forget_after_s))
+
+    def stop_arrivals(self, stop_id: str) -> ArrivalList:
+        """The next arrival of every vehicle at a stop."""
+        vehicles, now_ns = self._look_at_all()
+        found = [
+            at
+            for vehicle_id, known in vehicles.items()
+            for at in arrival_answers(vehicle_id, known, now_ns, self._forget_after_s)
+            if at.stop_id == stop_id
+        ]
+        return soonest_first(found)
+
+    def _look(self, vehicle_id: str) -> tuple[Known, int]:
+        with self._lock:
+            known, now_ns = self._vehicles.get(vehicle_id), self._clock_ns()
+        if known is None:
+            raise QueryError(404, f"no vehicle {vehicle_id} was heard; /v1/vehicles lists them")
+        return known, now_ns
+
+    def _look_at_all(self) -> tuple[dict[str, Known], int]:
+        with self._lock:
+            return dict(self._vehicles), self._clock_ns()
+
+
+def answer_arrivals(
+    board: EtaBoard, vehicle_id: str, parameters: Mapping[str, str] = NO_PARAMETERS
+) -> ArrivalList:
+    """A vehicle's next arrivals, for HTTP and for the queryable `@query/arrivals` alike.
+
+    `parameters` are those of the URL or selector (`ArrivalsParameters`); others are ignored.
+    Raises QueryError: 404 for a vehicle that was never heard, 422 for an unfit parameter.
+    """
+    asked = read_parameters(parameters, ArrivalsParameters)
+    found = board.arrivals(vehicle_id)
+    if asked.stop_id is msgspec.UNSET:
+        return found
+    return ArrivalList(tuple(at for at in found.arrivals if at.stop_id == asked.stop_id))
