@@ -1,0 +1,81 @@
+"""What the viewer shows at first: the map and the states on the left, the plots on the right."""
+
+from collections.abc import Mapping, Sequence
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from wayline.rerun_view.columns import TIMELINE
+
+WINDOW_S = 120.0
+"""How much of the past the plots show."""
+
+_START = rrb.TimeRangeBoundary.cursor_relative(seconds=-WINDOW_S)
+_END = rrb.TimeRangeBoundary.cursor_relative()
+_WINDOW = rrb.VisibleTimeRange(TIMELINE, start=_START, end=_END)
+_AXIS = rrb.TimeAxis(view_range=rr.TimeRange(start=_START, end=_END))
+_PAST = rrb.VisibleTimeRange(TIMELINE, start=rrb.TimeRangeBoundary.infinite(), end=_END)
+TRAILS = ("fixes", "rejected", "path")
+"""Entities of the map that stay; of the others the map shows the latest."""
+HORIZONTAL = ("gyro_bias_degps", "gyro_scale", "odometer_scale")
+VERTICAL = ("baro_bias_m", "torque_bias_pct", "mass_kg")
+
+
+def make_blueprint(zooms: Mapping[str, float]) -> rrb.Blueprint:
+    """A page for every vehicle, in tabs where there are several; time follows the newest row.
+
+    `zooms` says by vehicle how near its map begins (0 the world, 16 a few streets).
+    """
+    pages = [_page(vehicle_id, zooms[vehicle_id]) for vehicle_id in sorted(zooms)]
+    return rrb.Blueprint(
+        pages[0] if len(pages) == 1 else rrb.Tabs(*pages),
+        rrb.TimePanel(timeline=TIMELINE, play_state="following", state="collapsed"),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        auto_views=False,
+    )
+
+
+def _page(vehicle_id: str, zoom: float) -> rrb.Container:
+    root = f"/{rr.escape_entity_path_part(vehicle_id)}"
+    left = rrb.Vertical(
+        _map(root, zoom),
+        rrb.StateTimelineView(
+            origin=f"{root}/states", name="states", time_ranges=_WINDOW, time_view=_AXIS
+        ),
+        row_shares=[3, 2],
+    )
+    right = rrb.Vertical(
+        _plot(root, "speed", "speed, m/s"),
+        rrb.Horizontal(
+            _plot(root, "altitude", "altitude, m"),
+            _plot(root, "grade", "grade, %", legend=False),
+        ),
+        _plot(root, "innovations", "innovations against their gates (NIS)"),
+        rrb.Tabs(
+            _calibration(root, "horizontal sensors", HORIZONTAL),
+            _calibration(root, "vertical sensors", VERTICAL),
+            active_tab=0,
+        ),
+    )
+    return rrb.Horizontal(left, right, column_shares=[1, 1], name=vehicle_id)
+
+
+def _map(root: str, zoom: float) -> rrb.MapView:
+    overrides = {f"{root}/map/{trail}": rrb.VisibleTimeRanges([_PAST]) for trail in TRAILS}
+    return rrb.MapView(origin=f"{root}/map", name="map", zoom=zoom, overrides=overrides)
+
+
+def _plot(root: str, path: str, name: str, *, legend: bool = True) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin=f"{root}/{path}",
+        name=name,
+        time_ranges=_WINDOW,
+        axis_x=_AXIS,
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=legend),
+    )
+
+
+def _calibration(root: str, title: str, names: Sequence[str]) -> rrb.Container:
+    plots = [_plot(root, f"calibration/{name}", name, legend=False) for name in names]
+    return rrb.Horizontal(*plots, name=title)

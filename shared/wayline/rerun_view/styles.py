@@ -1,0 +1,123 @@
+"""How entities look: colours, widths and names, by where they stand below the vehicle's id.
+
+Blue is fusion's estimate, orange what GPS says, green the odometer, red what a gate rejected.
+"""
+
+import rerun as rr
+
+Colour = tuple[int, int, int]
+
+FUSED: Colour = (77, 148, 255)
+SIGMA: Colour = (62, 84, 120)
+GPS: Colour = (255, 157, 46)
+ODOMETER: Colour = (92, 200, 120)
+REJECTED: Colour = (240, 72, 72)
+GATE: Colour = (170, 170, 170)
+KNOWN: Colour = (196, 130, 255)
+ROUTE: Colour = (150, 150, 160)
+
+
+def _with_sigma(name: str) -> rr.SeriesLines:
+    return rr.SeriesLines(
+        names=[name, "+1 sigma", "-1 sigma"],
+        colors=[FUSED, SIGMA, SIGMA],
+        widths=[2.0, 1.0, 1.0],
+    )
+
+
+def _series(colour: Colour, width: float = 1.5) -> rr.SeriesLines:
+    return rr.SeriesLines(colors=[colour], widths=[width])
+
+
+def _marks(colour: Colour, marker: rr.components.MarkerShape, size: float) -> rr.SeriesPoints:
+    return rr.SeriesPoints(colors=[colour], markers=[marker], marker_sizes=[size])
+
+
+def _dots(colour: Colour, radius: float) -> rr.GeoPoints:
+    return rr.GeoPoints.from_fields(radii=rr.Radius.ui_points(radius), colors=[colour])
+
+
+def _strokes(colour: Colour, radius: float) -> rr.GeoLineStrings:
+    return rr.GeoLineStrings.from_fields(radii=rr.Radius.ui_points(radius), colors=[colour])
+
+
+def _states(colours: dict[str, Colour]) -> rr.StateConfiguration:
+    return rr.StateConfiguration(values=list(colours), colors=list(colours.values()))
+
+
+_MODES: dict[str, Colour] = {
+    "starting": (120, 120, 128),
+    "gps": (200, 130, 40),
+    "fused": (48, 120, 220),
+    "dead_reckoning": (150, 90, 200),
+    "lost": (200, 50, 50),
+}
+_CALIBRATIONS: dict[str, Colour] = {
+    "none": (120, 120, 128),
+    "started": (200, 130, 40),
+    "calibrated": (50, 140, 80),
+}
+_VERDICTS: dict[str, Colour] = {"accepted": (50, 140, 80), "rejected": (200, 50, 50)}
+_FIXES: dict[str, Colour] = {
+    "none": (90, 90, 96),
+    "gps": (200, 130, 40),
+    "dgps": (160, 150, 40),
+    "rtk_float": (90, 150, 60),
+    "rtk_fixed": (50, 140, 80),
+    "dead_reckoning": (150, 90, 200),
+    "manual": (120, 120, 128),
+    "simulator": (60, 130, 150),
+}
+_SENSORS: dict[str, Colour] = {
+    "gps_position": GPS,
+    "gps_speed": ODOMETER,
+    "gps_course": FUSED,
+}
+"""Sensors that are always there; Rerun colours the others apart."""
+_ROUTE_STATES: dict[str, Colour] = {"on route": (50, 140, 80), "off route": (200, 50, 50)}
+
+
+def style_of(path: str) -> rr.AsComponents | None:
+    """The look of the entity at a path below the vehicle's id; None leaves it to Rerun."""
+    first, _, rest = path.partition("/")
+    if first == "innovations":
+        sensor, _, part = rest.rpartition("/")
+        return _innovation(sensor, part)
+    kind = rest.partition("/")[0]
+    return _STYLES.get((first, kind)) or _STYLES.get((first, ""))
+
+
+def _innovation(sensor: str, part: str) -> rr.AsComponents | None:
+    if part == "gate":
+        return _series(GATE, 1.0)
+    if part == "rejected":
+        return _marks(REJECTED, rr.components.MarkerShape.Cross, 5.0)
+    colour = _SENSORS.get(sensor)
+    return _series(colour) if colour else None
+
+
+_STYLES: dict[tuple[str, str], rr.AsComponents] = {
+    ("map", "route"): _strokes(ROUTE, 2.0),
+    ("map", "stops"): _dots(ROUTE, 5.0),
+    ("map", "fixes"): _dots(GPS, 1.5),
+    ("map", "rejected"): _dots(REJECTED, 4.0),
+    ("map", "path"): _strokes(FUSED, 2.5),
+    ("map", "vehicle"): _dots((255, 255, 255), 5.0),
+    ("map", "heading"): _strokes((255, 255, 255), 1.5),
+    ("map", "ellipse_95"): _strokes((90, 220, 230), 1.0),
+    ("map", "on_route"): _dots(KNOWN, 4.0),
+    ("speed", "fused"): _series(FUSED, 2.0),
+    ("speed", "gps"): _series(GPS),
+    ("speed", "odometer"): _series(ODOMETER),
+    ("altitude", "fused"): _with_sigma("fused"),
+    ("altitude", "gps"): _series(GPS),
+    ("grade", "fused"): _with_sigma("fused"),
+    ("grade", "vehicle"): _series(ODOMETER),
+    ("grade", "earlier_runs"): _series(KNOWN, 2.0),
+    ("calibration", ""): _with_sigma("estimate"),
+    ("states", "mode"): _states(_MODES),
+    ("states", "calibration"): _states(_CALIBRATIONS),
+    ("states", "fix"): _states(_FIXES),
+    ("states", "verdict"): _states(_VERDICTS),
+    ("states", "route"): _states(_ROUTE_STATES),
+}
