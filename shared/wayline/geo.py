@@ -6,6 +6,8 @@ from typing import NamedTuple
 from pyproj import Geod
 
 WGS84 = Geod(ellps="WGS84")
+POLE_DEG = 89.999
+"""Nearer to a pole degrees of longitude have no length to speak of, and latitudes end."""
 
 
 def wrap_360(angle_deg: float) -> float:
@@ -39,7 +41,8 @@ def step_between(lat1_deg: float, lon1_deg: float, lat2_deg: float, lon2_deg: fl
 
 
 def metres_per_degree(lat_deg: float) -> tuple[float, float]:
-    """Metres per degree of latitude and of longitude at a latitude."""
+    """Metres per degree of latitude and of longitude at a latitude; at a pole, those beside it."""
+    lat_deg = min(max(lat_deg, -POLE_DEG), POLE_DEG)
     _, _, north_m = WGS84.inv(0.0, lat_deg - 5e-4, 0.0, lat_deg + 5e-4)
     _, _, east_m = WGS84.inv(0.0, lat_deg, 1e-3, lat_deg)
     return float(north_m) * 1e3, float(east_m) * 1e3
