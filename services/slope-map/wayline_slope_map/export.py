@@ -34,8 +34,13 @@ def export_rows(engine: sa.Engine) -> Iterator[ExportRow]:
     """Every known bin by road, direction and distance along the road's line."""
     for profile in SlopeStore(engine).load_roads():
         for direction in sorted(profile.bins, reverse=True):
-            for bin_index in sorted(profile.bins[direction]):
-                yield _row(profile, direction, bin_index, profile.bins[direction][bin_index])
+            yield from profile_rows(profile, direction)
+
+
+def profile_rows(profile: RoadProfile, direction: int) -> Iterator[ExportRow]:
+    """The known bins of one direction of a road, by distance along its line."""
+    for bin_index, known in sorted(profile.bins.get(direction, {}).items()):
+        yield _row(profile, direction, bin_index, known)
 
 
 def _row(profile: RoadProfile, direction: int, bin_index: int, known: BinEstimate) -> ExportRow:

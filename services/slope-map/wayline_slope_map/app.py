@@ -1,0 +1,130 @@
+"""The slope map's HTTP: roads, their profiles, and the road ahead (SPEC section 5)."""
+
+from collections.abc import Callable
+from typing import Any
+
+from fastapi import FastAPI, Request, Response
+from prometheus_client import CollectorRegistry
+
+from wayline import __version__
+from wayline.geojson import FeatureCollection
+from wayline.http import Healthz, JsonAnswer, answers, create_app
+from wayline.http_settings import HttpSettings
+from wayline.parameters import describe_parameters
+from wayline_slope_map.answers import (
+    LookaheadAnswer,
+    ProfileAnswer,
+    RoadList,
+    VehicleLookahead,
+    road_list,
+)
+from wayline_slope_map.book import SlopeBook
+from wayline_slope_map.documents import profile_csv, profile_geojson
+from wayline_slope_map.queries import answer_lookahead, answer_profile, answer_vehicle_lookahead
+from wayline_slope_map.questions import (
+    AheadParameters,
+    LookaheadParameters,
+    ProfileParameters,
+    StretchParameters,
+)
+
+GEO_JSON = "application/geo+json"
+CSV = "text/csv"
+
+
+def create_slope_app(
+    book: SlopeBook,
+    settings: HttpSettings,
+    *,
+    healthz: Callable[[], Healthz] | None = None,
+    registry: CollectorRegistry | None = None,
+) -> FastAPI:
+    """The app that answers from the book.
+
+    Raises InputError for settings that would be too open.
+    """
+    app = create_app(
+        title="Wayline slope map",
+        version=__version__,
+        healthz=healthz or _works,
+        settings=settings,
+        registry=registry,
+        structs=(RoadList, ProfileAnswer, LookaheadAnswer, VehicleLookahead, FeatureCollection),
+    )
+    # plain functions, which FastAPI gives a thread each: 20 km in steps of 1 m take a while
+    _add_roads(app, book)
+    _add_documents(app, book)
+    _add_lookahead(app, book)
+    return app
+
+
+def _works() -> Healthz:
+    return Healthz(ok=True, service="slope-map", version=__version__)
+
+
+def _add_roads(app: FastAPI, book: SlopeBook) -> None:
+    @app.get("/v1/roads", responses=answers(RoadList), tags=["roads"])
+    def roads() -> JsonAnswer:
+        """Every road that was driven, and what is known of it."""
+        return JsonAnswer(road_list(book.profiles()))
+
+    @app.get(
+        "/v1/roads/{road_id:path}/profile",
+        responses=answers(ProfileAnswer),
+        openapi_extra=describe_parameters(ProfileParameters),
+        tags=["roads"],
+    )
+    def profile(road_id: str, request: Request) -> JsonAnswer:
+        """A road's grade and altitude along its line; by default one point a bin."""
+        return JsonAnswer(answer_profile(book, road_id, request.query_params))
+
+
+def _add_documents(app: FastAPI, book: SlopeBook) -> None:
+    parameters = describe_parameters(StretchParameters)
+
+    @app.get(
+        "/v1/roads/{road_id:path}/profile.csv",
+        responses=_as(CSV, {"type": "string"}),
+        openapi_extra=parameters,
+        tags=["roads"],
+    )
+    def csv(road_id: str, request: Request) -> Response:
+        """The known bins of a road as a table, like `wayline slope export`."""
+        return Response(profile_csv(book, road_id, request.query_params), media_type=CSV)
+
+    @app.get(
+        "/v1/roads/{road_id:path}/profile.geojson",
+        responses=_as(GEO_JSON, {"$ref": "#/components/schemas/FeatureCollection"}),
+        openapi_extra=parameters,
+        tags=["roads"],
+    )
+    def geojson(road_id: str, request: Request) -> JsonAnswer:
+        """The known bins of a road as lines to draw."""
+        collection = profile_geojson(book, road_id, request.query_params)
+        return JsonAnswer(collection, media_type=GEO_JSON)
+
+
+def _as(media_type: str, schema: dict[str, str]) -> dict[int | str, dict[str, Any]]:
+    return {200: {"description": "Success", "content": {media_type: {"schema": schema}}}}
+
+
+def _add_lookahead(app: FastAPI, book: SlopeBook) -> None:
+    @app.get(
+        "/v1/lookahead",
+        responses=answers(LookaheadAnswer),
+        openapi_extra=describe_parameters(LookaheadParameters),
+        tags=["lookahead"],
+    )
+    def ahead(request: Request) -> JsonAnswer:
+        """The road ahead of a place; all null where no known road runs that way."""
+        return JsonAnswer(answer_lookahead(book, request.query_params))
+
+    @app.get(
+        "/v1/vehicles/{vehicle_id}/lookahead",
+        responses=answers(VehicleLookahead),
+        openapi_extra=describe_parameters(AheadParameters),
+        tags=["lookahead"],
+    )
+    def vehicle_ahead(vehicle_id: str, request: Request) -> JsonAnswer:
+        """The road ahead of a vehicle, from where its last `horizon` has it."""
+        return JsonAnswer(answer_vehicle_lookahead(book, vehicle_id, request.query_params))
