@@ -4,7 +4,7 @@ Unknown is null, never 0; `runs` alone is 0 where no run has been. Instants are 
 with milliseconds.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal
 from urllib.parse import quote
 
@@ -14,6 +14,7 @@ from wayline.messages import HorizonPoint
 from wayline.rfc3339 import rfc3339
 from wayline_slope_map.matching import Match
 from wayline_slope_map.profile import RoadProfile, lookahead
+from wayline_slope_map.roads import Road
 from wayline_slope_map.sums import BinEstimate
 
 Way = Literal["forward", "backward"]
@@ -107,7 +108,7 @@ def _road_summary(profile: RoadProfile) -> RoadSummary:
         loop=road.loop,
         is_route=road.is_route,
         directions=tuple(
-            _way_summary(direction, bins, road.bin_m)
+            _way_summary(direction, bins, road)
             for direction, bins in sorted(profile.bins.items(), reverse=True)
             if bins
         ),
@@ -115,16 +116,16 @@ def _road_summary(profile: RoadProfile) -> RoadSummary:
     )
 
 
-def _way_summary(direction: int, bins: Mapping[int, BinEstimate], bin_m: float) -> WaySummary:
+def _way_summary(direction: int, bins: Mapping[int, BinEstimate], road: Road) -> WaySummary:
     return WaySummary(
         direction=WAYS[direction],
-        known_m=len(bins) * bin_m,
+        known_m=min(len(bins) * road.bin_m, road.line.length_m),
         runs=max(known.runs for known in bins.values()),
         updated=rfc3339(max(known.updated_ns for known in bins.values())),
     )
 
 
-def profile_answer(profile: RoadProfile, way: Way, distances_m: Iterable[float]) -> ProfileAnswer:
+def profile_answer(profile: RoadProfile, way: Way, distances_m: Sequence[float]) -> ProfileAnswer:
     """What is known at distances along a road's line; a point says what its bin says."""
     road, bins = profile.road, profile.bins.get(DIRECTIONS[way], {})
     return ProfileAnswer(
@@ -132,20 +133,7 @@ def profile_answer(profile: RoadProfile, way: Way, distances_m: Iterable[float])
         length_m=road.line.length_m,
         bin_m=road.bin_m,
         direction=way,
-        points=tuple(_bin_point(at_m, bins.get(road.bin_at(at_m))) for at_m in distances_m),
-    )
-
-
-def _bin_point(distance_m: float, known: BinEstimate | None) -> SlopePoint:
-    if known is None:
-        return SlopePoint(distance_m=distance_m)
-    return SlopePoint(
-        distance_m=distance_m,
-        grade_pct=known.grade_pct,
-        grade_std_pct=known.grade_std_pct,
-        alt_m=known.alt_m,
-        runs=known.runs,
-        updated=rfc3339(known.updated_ns),
+        points=_points((at_m, bins.get(road.bin_at(at_m))) for at_m in distances_m),
     )
 
 
@@ -158,18 +146,7 @@ def lookahead_answer(
         road_id=at.road_id,
         position_m=at.along_m,
         direction=WAYS[at.direction],
-        points=tuple(_horizon_point(point) for point in ahead),
-    )
-
-
-def _horizon_point(point: HorizonPoint) -> SlopePoint:
-    return SlopePoint(
-        distance_m=point.distance_m,
-        grade_pct=point.grade_pct,
-        grade_std_pct=point.grade_std_pct,
-        alt_m=point.alt_m,
-        runs=point.runs,
-        updated=None if point.updated_ns is None else rfc3339(point.updated_ns),
+        points=_points((point.distance_m, point) for point in ahead),
     )
 
 
@@ -179,5 +156,31 @@ def off_road(distances_m: Iterable[float]) -> LookaheadAnswer:
         road_id=None,
         position_m=None,
         direction=None,
-        points=tuple(SlopePoint(distance_m=at_m) for at_m in distances_m),
+        points=_points((at_m, None) for at_m in distances_m),
     )
+
+
+def _points(
+    known_at: Iterable[tuple[float, BinEstimate | HorizonPoint | None]],
+) -> tuple[SlopePoint, ...]:
+    """Each distance with what is known there."""
+    # bins that one run was over last share its instant, which takes long to write
+    instants: dict[int | None, str | None] = {None: None}
+    points = []
+    for distance_m, known in known_at:
+        if known is None:
+            points.append(SlopePoint(distance_m=distance_m))
+            continue
+        if known.updated_ns is not None and known.updated_ns not in instants:
+            instants[known.updated_ns] = rfc3339(known.updated_ns)
+        points.append(
+            SlopePoint(
+                distance_m=distance_m,
+                grade_pct=known.grade_pct,
+                grade_std_pct=known.grade_std_pct,
+                alt_m=known.alt_m,
+                runs=known.runs,
+                updated=instants[known.updated_ns],
+            )
+        )
+    return tuple(points)

@@ -51,7 +51,6 @@ def create_slope_app(
         registry=registry,
         structs=(RoadList, ProfileAnswer, LookaheadAnswer, VehicleLookahead, FeatureCollection),
     )
-    # plain functions, which FastAPI gives a thread each: 20 km in steps of 1 m take a while
     _add_roads(app, book)
     _add_documents(app, book)
     _add_lookahead(app, book)
@@ -63,6 +62,8 @@ def _works() -> Healthz:
 
 
 def _add_roads(app: FastAPI, book: SlopeBook) -> None:
+    # plain functions run in other threads: a long road in small steps takes a while
+
     @app.get("/v1/roads", responses=answers(RoadList), tags=["roads"])
     def roads() -> JsonAnswer:
         """Every road that was driven, and what is known of it."""
@@ -109,13 +110,15 @@ def _as(media_type: str, schema: dict[str, str]) -> dict[int | str, dict[str, An
 
 
 def _add_lookahead(app: FastAPI, book: SlopeBook) -> None:
+    # coroutines: an answer takes less time than its way to another thread and back
+
     @app.get(
         "/v1/lookahead",
         responses=answers(LookaheadAnswer),
         openapi_extra=describe_parameters(LookaheadParameters),
         tags=["lookahead"],
     )
-    def ahead(request: Request) -> JsonAnswer:
+    async def ahead(request: Request) -> JsonAnswer:
         """The road ahead of a place; all null where no known road runs that way."""
         return JsonAnswer(answer_lookahead(book, request.query_params))
 
@@ -125,6 +128,6 @@ def _add_lookahead(app: FastAPI, book: SlopeBook) -> None:
         openapi_extra=describe_parameters(AheadParameters),
         tags=["lookahead"],
     )
-    def vehicle_ahead(vehicle_id: str, request: Request) -> JsonAnswer:
+    async def vehicle_ahead(vehicle_id: str, request: Request) -> JsonAnswer:
         """The road ahead of a vehicle, from where its last `horizon` has it."""
         return JsonAnswer(answer_vehicle_lookahead(book, vehicle_id, request.query_params))

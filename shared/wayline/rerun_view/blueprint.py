@@ -1,6 +1,7 @@
 """What the viewer shows at first: the map and the states on the left, the plots on the right."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import rerun as rr
 import rerun.blueprint as rrb
@@ -62,7 +63,10 @@ def _page(vehicle_id: str, zoom: float) -> rrb.Container:
 
 
 def _map(root: str, zoom: float) -> rrb.MapView:
-    overrides = {f"{root}/map/{trail}": rrb.VisibleTimeRanges([_PAST]) for trail in TRAILS}
+    # Any: Rerun's mapping has keys of two kinds, and a mapping is invariant in its keys
+    overrides: dict[Any, rrb.VisibleTimeRanges] = {
+        f"{root}/map/{trail}": rrb.VisibleTimeRanges([_PAST]) for trail in TRAILS
+    }
     return rrb.MapView(origin=f"{root}/map", name="map", zoom=zoom, overrides=overrides)
 
 

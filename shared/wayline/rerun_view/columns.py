@@ -72,7 +72,8 @@ class Columns:
 
     def static(self, path: str, *archetypes: rr.AsComponents) -> None:
         """What holds at all times; sent at once."""
-        self._stream.log([self._root, *path.split("/")], *archetypes, static=True)
+        self._style(path)
+        self._stream.log(self._entity(path), *archetypes, static=True)
 
     def send_when_due(self, t_ns: int) -> None:
         """Send what waits when it spans a batch; a clock that stepped back ends a batch too."""
@@ -87,21 +88,25 @@ class Columns:
         for path, column in self._columns.items():
             if not column.rows:
                 continue
-            if path not in self._styled:
-                self._style(path)
+            self._style(path)
             times = np.array(column.times_ns, dtype="datetime64[ns]")
             index = rr.TimeColumn(TIMELINE, timestamp=times)
-            entity = rr.new_entity_path([self._root, *path.split("/")])
-            self._stream.send_columns(entity, [index], column.encode(column.rows))
+            self._stream.send_columns(self._entity(path), [index], column.encode(column.rows))
             self.rows_sent += len(column.rows)
             column.times_ns.clear()
             column.rows.clear()
 
     def _style(self, path: str) -> None:
+        """Send the look of an entity before its first row."""
+        if path in self._styled:
+            return
         self._styled.add(path)
         style = style_of(path)
         if style is not None:
-            self.static(path, style)
+            self._stream.log(self._entity(path), style, static=True)
+
+    def _entity(self, path: str) -> str:
+        return rr.new_entity_path([self._root, *path.split("/")])
 
     def _add(self, path: str, encode: Encode, t_ns: int, row: object) -> None:
         column = self._columns.get(path)

@@ -57,7 +57,11 @@ _CALIBRATIONS: dict[str, Colour] = {
     "started": (200, 130, 40),
     "calibrated": (50, 140, 80),
 }
-_VERDICTS: dict[str, Colour] = {"accepted": (50, 140, 80), "rejected": (200, 50, 50)}
+_VERDICTS: dict[str, Colour] = {
+    "accepted": (50, 140, 80),
+    "rejected": (200, 50, 50),
+    "silent": (90, 90, 96),
+}
 _FIXES: dict[str, Colour] = {
     "none": (90, 90, 96),
     "gps": (200, 130, 40),

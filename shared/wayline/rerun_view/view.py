@@ -21,7 +21,6 @@ from wayline.messages import (
 from wayline.rerun_view.columns import Columns
 from wayline.rerun_view.decimation import Decimator
 from wayline.rerun_view.shapes import Extent, arrow_of, ellipse_of
-from wayline.rerun_view.styles import style_of
 from wayline.route import Route
 
 PLOT_PERIOD_NS = 95_000_000
@@ -32,6 +31,8 @@ PATH_STEP_M = 2.0
 """A piece of the path is at least this long: a vehicle that stands draws none."""
 FIXES_KEPT = 64
 """Fixes whose verdict may still come, to be marked where it rejects them; over 3 s of 20 Hz."""
+SILENT_AFTER_NS = 5_000_000_000
+"""A sensor without a verdict for so long is shown as silent, not as still accepted."""
 CALIBRATED = (
     ("gyro_bias_degps", "gyro_bias_std_degps"),
     ("gyro_scale", "gyro_scale_std"),
@@ -62,6 +63,7 @@ class RerunView:
         self._columns = Columns(stream, vehicle_id, batch_s)
         self._plotted, self._mapped = Decimator(PLOT_PERIOD_NS), Decimator(MAP_PERIOD_NS)
         self._states: dict[str, str] = {}
+        self._judged_ns: dict[str, int] = {}
         self._fixes: dict[int, tuple[float, float]] = {}
         self._path_from: Pose | None = None
         self.extent = Extent()
@@ -87,15 +89,13 @@ class RerunView:
 
     def _log_route(self, route: Route) -> None:
         line = np.column_stack((route.line.lats_deg, route.line.lons_deg))
-        for path, shape in (
-            ("map/route", rr.GeoLineStrings(lat_lon=[line])),
-            ("map/stops", rr.GeoPoints(lat_lon=[(s.lat_deg, s.lon_deg) for s in route.stops])),
-        ):
-            style = style_of(path)
-            assert style is not None  # noqa: S101 - both stand in the table of styles
-            self._columns.static(path, shape, style)
-        names = [stop.name for stop in route.stops]
-        self._columns.static("map/stops", rr.AnyValues(stop=names))
+        self._columns.static("map/route", rr.GeoLineStrings(lat_lon=[line]))
+        if route.stops:
+            places = [(stop.lat_deg, stop.lon_deg) for stop in route.stops]
+            names = [stop.name for stop in route.stops]
+            self._columns.static(
+                "map/stops", rr.GeoPoints(lat_lon=places), rr.AnyValues(stop_name=names)
+            )
 
     def _take_fix(self, fix: GpsFix, source: str) -> None:
         self._state(f"states/fix/{source}", fix.t_ns, fix.fix if fix.valid else "none")
@@ -154,11 +154,15 @@ class RerunView:
             self._estimate(f"calibration/{name}", status.t_ns, value, std)
         for verdict in status.verdicts:
             self._take_verdict(verdict)
+        for sensor, t_ns in self._judged_ns.items():
+            if status.t_ns - t_ns > SILENT_AFTER_NS:
+                self._state(f"states/verdict/{sensor}", status.t_ns, "silent")
 
     def _take_verdict(self, verdict: Verdict) -> None:
         root = f"innovations/{verdict.sensor}"
         self._columns.scalars(f"{root}/nis", verdict.t_ns, verdict.nis)
         self._columns.scalars(f"{root}/gate", verdict.t_ns, verdict.threshold)
+        self._judged_ns[verdict.sensor] = verdict.t_ns
         word = "accepted" if verdict.accepted else "rejected"
         self._state(f"states/verdict/{verdict.sensor}", verdict.t_ns, word)
         if verdict.accepted:

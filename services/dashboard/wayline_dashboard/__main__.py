@@ -1,0 +1,45 @@
+"""The dashboard process."""
+
+import time
+from argparse import Namespace
+
+from wayline.node import Node
+from wayline.service import Service
+from wayline.settings import Settings
+from wayline.shell import load_routes
+from wayline.shell import main as run_shell
+from wayline_dashboard.app import create_dashboard
+from wayline_dashboard.core import DashboardCore
+from wayline_dashboard.live_view import LiveView
+
+NAME = "dashboard"
+
+
+def build(settings: Settings, options: Namespace) -> Service:
+    """The service as configured. The view model is fed as messages are heard."""
+    del options
+    routes = load_routes(settings)
+    live = LiveView(time.time_ns)
+    return Service(
+        NAME,
+        lambda vehicle_id, _: Node(NAME, DashboardCore(vehicle_id)),
+        DashboardCore.reads,
+        watch=live.put,
+        watch_alive=live.put_service,
+        make_app=lambda healthz, telemetry: create_dashboard(
+            live,
+            settings.http_of(NAME),
+            routes=routes,
+            healthz=healthz,
+            registry=telemetry.registry,
+        ),
+    )
+
+
+def main() -> None:
+    """Run the command."""
+    run_shell(NAME, "Shows vehicles live on a web page.", build)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,61 @@
+"""The receivers and position reports of a recorded drive, as bus messages."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from wayline.arrival import Recording, source_names, translated
+from wayline.avl_log import read_reports
+from wayline.drive import AvlSource, Drive, NmeaSource, Vehicle
+from wayline.errors import InputError
+from wayline.inputs import PositionReport
+from wayline.nmea_log import has_date, read_sentences
+from wayline_gps_ingest.core import GpsIngestCore
+
+
+def recordings(drive: Drive) -> list[Recording]:
+    """Every `[[nmea]]` and `[[avl]]` of a drive, in that order. Raises InputError."""
+    names = source_names("gps-ingest")
+    return [
+        *(_receiver(nmea, drive.vehicle, next(names)) for nmea in drive.nmea),
+        *(_reports(avl, drive.vehicle, next(names)) for avl in drive.avl),
+    ]
+
+
+def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
+    path = Path(source.path)
+    if source.date is None and not has_date(path):
+        mend = "add date = YYYY-MM-DD to its [[nmea]]"
+        raise InputError(str(path), "no sentence carries a date", mend)
+    core = GpsIngestCore(vehicle.gps_latency_s, source.date)
+    latency_ns = round(vehicle.gps_latency_s * 1e9)
+    messages = translated(
+        read_sentences(path),
+        core.handle,
+        name,
+        lambda sentence, message: (
+            message.t_ns + latency_ns if sentence.arrival_ns is None else sentence.arrival_ns
+        ),
+    )
+    return Recording(name, messages, lambda: core.bad_input)
+
+
+def _reports(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:
+    core = GpsIngestCore(vehicle.gps_latency_s)
+    rows = Readable(read_reports(source))
+    messages = translated(rows, core.handle, name, lambda report, _: report.t_ns)
+    return Recording(name, messages, lambda: core.bad_input + rows.bad_input)
+
+
+class Readable:
+    """Passes on the rows that could be read and counts the others."""
+
+    def __init__(self, rows: Iterable[PositionReport | None]) -> None:
+        self._rows = rows
+        self.bad_input = 0
+
+    def __iter__(self) -> Iterator[PositionReport]:
+        for row in self._rows:
+            if row is None:
+                self.bad_input += 1
+            else:
+                yield row

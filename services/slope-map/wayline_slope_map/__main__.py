@@ -1,0 +1,67 @@
+"""The slope-map process."""
+
+from argparse import Namespace
+
+from wayline.database import open_database
+from wayline.errors import InputError
+from wayline.keys import FLEET, query_key
+from wayline.node import Node
+from wayline.service import Service
+from wayline.settings import Settings
+from wayline.shell import load_routes
+from wayline.shell import main as run_shell
+from wayline_slope_map.app import create_slope_app
+from wayline_slope_map.book import SlopeBook
+from wayline_slope_map.core import SlopeMapCore
+from wayline_slope_map.queries import answer_lookahead
+from wayline_slope_map.store import SlopeStore
+from wayline_slope_map.teaching import Teaching
+
+NAME = "slope-map"
+
+
+def build(settings: Settings, options: Namespace) -> Service:
+    """The service as configured."""
+    del options
+    if settings.database_url is None:
+        mend = "set database_url or WAYLINE_DATABASE_URL, e.g. sqlite:///slope.db"
+        raise InputError("configuration", "slope-map has no database", mend)
+    routes = load_routes(settings)
+    store = SlopeStore(open_database(settings.database_url, "wayline_slope_map"))
+    book = SlopeBook(store.load_roads())
+    # with one route a vehicle's road is that route; else the map finds the road itself
+    route = routes[0] if len(routes) == 1 else None
+
+    def make_node(vehicle_id: str, source: str) -> Node:
+        del source
+        core = SlopeMapCore(
+            book.profiles(),
+            settings.tuning,
+            vehicle_id,
+            route=route.line if route else None,
+            route_id=route.route_id if route else None,
+            loop=route.loop if route else False,
+        )
+        return Node(NAME, core, Teaching(store, book.learn))
+
+    return Service(
+        NAME,
+        make_node,
+        SlopeMapCore.reads,
+        watch=book.put,
+        make_app=lambda healthz, telemetry: create_slope_app(
+            book, settings.http_of(NAME), healthz=healthz, registry=telemetry.registry
+        ),
+        answers={
+            query_key(FLEET, "lookahead"): lambda _, parameters: answer_lookahead(book, parameters)
+        },
+    )
+
+
+def main() -> None:
+    """Run the command."""
+    run_shell(NAME, "Learns the slope of roads and looks ahead.", build)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,122 @@
+"""Plays a drive's recordings paced as it was driven, as a feed of an ingest service."""
+
+import heapq
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+
+import msgspec
+
+from wayline.arrival import Arrival, Recording, in_order
+from wayline.messages import Message
+from wayline.play_clock import LEAD_S, PlayClock
+
+PAUSE_NS = 1_000_000_000
+"""Between the end of a loop and the next one's start."""
+
+
+class PlayOptions(msgspec.Struct, frozen=True, kw_only=True):
+    """How to play."""
+
+    speed: float = 1.0
+    loop: bool = False
+    now: bool = False
+    """Shift every t_ns by one constant, so that the drive starts now."""
+
+
+class Played(msgspec.Struct, frozen=True):
+    """A message that needs no core any more."""
+
+    source: str
+    message: Message
+
+
+Agree = Callable[[PlayClock], PlayClock]
+"""From the own clock to the one shared with the other players of the drive."""
+
+
+class Playback:
+    """The recordings of one service, opened anew for each loop."""
+
+    def __init__(
+        self,
+        name: str,
+        open_recordings: Callable[[], Sequence[Recording]],
+        options: PlayOptions,
+        agree: Agree,
+    ) -> None:
+        self.name = name
+        self._open_recordings = open_recordings
+        self._options = options
+        self._agree = agree
+        self._loops = 0
+        self._played = 0
+        self._bad_input = 0
+        self._playing: Sequence[Recording] = ()
+
+    @property
+    def detail(self) -> str | None:
+        """How far it has come."""
+        if not self._playing:
+            return f"played to its end, {self._played} messages"
+        return f"playing, loop {self._loops + 1}" if self._options.loop else "playing"
+
+    @property
+    def bad_input(self) -> int:
+        """What was counted and dropped so far, over all loops."""
+        return self._bad_input + sum(recording.bad_input() for recording in self._playing)
+
+    def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
+        """Put each message when it is due; returns at the end, or never with `loop`."""
+        clock = self._agree(self._own_clock())
+        shift_ns = clock.start_ns - clock.origin_ns if self._options.now else 0
+        while not stop.is_set():
+            offset_ns = self._loops * clock.period_ns
+            for arrival in self._arrivals():
+                self._wait_until_due(clock, arrival.arrival_ns + offset_ns, stop)
+                if stop.is_set():
+                    return
+                put(shifted(arrival, shift_ns + offset_ns))
+                self._played += 1
+            if not self._options.loop:
+                self._bad_input, self._playing = self.bad_input, ()
+                return
+            self._loops += 1
+
+    def _arrivals(self) -> Iterator[Arrival]:
+        self._bad_input = self.bad_input
+        self._playing = self._open_recordings()
+        return heapq.merge(
+            *(in_order(order, recording) for order, recording in enumerate(self._playing)),
+            key=lambda arrival: arrival[:2],
+        )
+
+    def _own_clock(self) -> PlayClock:
+        """Where the own recordings begin, and, to loop, how long they last."""
+        arrivals = self._arrivals()
+        first = next(arrivals, None)
+        rest = deque(arrivals, maxlen=1) if self._options.loop else ()
+        last = rest[-1] if rest else first
+        self._bad_input, self._playing = 0, ()
+        first_ns = first.arrival_ns if first else 0
+        last_ns = last.arrival_ns if last else 0
+        return PlayClock(
+            origin_ns=first_ns,
+            start_ns=time.time_ns() + round(LEAD_S * 1e9),
+            period_ns=last_ns - first_ns + PAUSE_NS,
+        )
+
+    def _wait_until_due(self, clock: PlayClock, arrival_ns: int, stop: threading.Event) -> None:
+        due_ns = clock.start_ns + round((arrival_ns - clock.origin_ns) / self._options.speed)
+        wait_s = (due_ns - time.time_ns()) * 1e-9
+        if wait_s > 0.0:
+            stop.wait(wait_s)
+
+
+def shifted(arrival: Arrival, shift_ns: int) -> Played:
+    """The message of an arrival under its own source, moved in time."""
+    message = arrival.message
+    if shift_ns:
+        message = msgspec.structs.replace(message, t_ns=message.t_ns + shift_ns)
+    return Played(arrival.source, message)

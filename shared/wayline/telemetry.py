@@ -1,0 +1,98 @@
+"""Pure: counts what a service does, for `health` and for Prometheus."""
+
+from collections import deque
+
+import numpy as np
+from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram
+
+from wayline import __version__
+from wayline.messages import Health
+
+LAGS_KEPT = 2_000
+LAG_BUCKETS_S = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
+
+
+class Telemetry:
+    """Counters of one service since its start."""
+
+    def __init__(self, service: str, started_ns: int) -> None:
+        self.registry = CollectorRegistry()
+        self._service, self._started_ns = service, started_ns
+        self._received = 0
+        self._published = 0
+        self._lost = 0
+        self._bad_input = 0
+        self._lags_s: deque[float] = deque(maxlen=LAGS_KEPT)
+        self._last = (started_ns, 0, 0)
+        self._in = Counter("wayline_messages_in", "Heard", ["topic"], registry=self.registry)
+        self._out = Counter("wayline_messages_out", "Published", ["topic"], registry=self.registry)
+        self._dropped = Gauge(
+            "wayline_dropped", "Dropped by the inbox or lost on the bus", registry=self.registry
+        )
+        self._bad = Gauge("wayline_bad_input", "Counted and dropped", registry=self.registry)
+        self._backlog = Gauge("wayline_backlog", "Waiting in the inbox", registry=self.registry)
+        self._lag = Histogram(
+            "wayline_lag_seconds",
+            "Arrival minus measured instant",
+            buckets=LAG_BUCKETS_S,
+            registry=self.registry,
+        )
+
+    def heard(self, topic: str, t_ns: int, received_ns: int) -> None:
+        """A message came in."""
+        self._received += 1
+        lag_s = (received_ns - t_ns) * 1e-9
+        self._lags_s.append(lag_s)
+        self._lag.observe(lag_s)
+        self._in.labels(topic).inc()
+
+    def took(self) -> None:
+        """Something came in that was not a bus message."""
+        self._received += 1
+
+    def published(self, topic: str) -> None:
+        """A message went out."""
+        self._published += 1
+        self._out.labels(topic).inc()
+
+    def lost(self, count: int) -> None:
+        """Samples were lost on the bus for good."""
+        self._lost += count
+
+    def bad(self) -> None:
+        """Something could not be read and was dropped."""
+        self._bad_input += 1
+
+    def health(
+        self, now_ns: int, backlog: int, dropped: int, bad_input: int, detail: str | None
+    ) -> Health:
+        """The `health` message of now; rates are those since the last one."""
+        then_ns, received, published = self._last
+        elapsed_s = max((now_ns - then_ns) * 1e-9, 1e-3)
+        self._last = (now_ns, self._received, self._published)
+        p50, p99 = self._lag_quantiles_ms()
+        bad_input += self._bad_input
+        dropped += self._lost
+        self._dropped.set(dropped)
+        self._bad.set(bad_input)
+        self._backlog.set(backlog)
+        return Health(
+            t_ns=now_ns,
+            service=self._service,
+            version=__version__,
+            started_ns=self._started_ns,
+            in_rate_hz=(self._received - received) / elapsed_s,
+            out_rate_hz=(self._published - published) / elapsed_s,
+            backlog=backlog,
+            dropped=dropped,
+            bad_input=bad_input,
+            lag_ms_p50=p50,
+            lag_ms_p99=p99,
+            detail=detail,
+        )
+
+    def _lag_quantiles_ms(self) -> tuple[float | None, float | None]:
+        if not self._lags_s:
+            return None, None
+        p50, p99 = np.quantile(np.array(self._lags_s), [0.5, 0.99]) * 1e3
+        return float(p50), float(p99)

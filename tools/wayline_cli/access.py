@@ -1,0 +1,127 @@
+"""Pure: who may do what on a server's bus, as the router's access control (SPEC section 2).
+
+Zenoh checks every message twice, as it enters the router (ingress) and as it leaves (egress), and
+no wildcard matches a chunk that begins with `@`. So a rule names, beside the messages' keys, those
+of publishers' caches and heartbeats (`<key>/@adv/...`), of liveliness (`@alive`) and of queries
+(`@query`); with one of them forgotten, recovery or liveliness ends without a word.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from wayline.errors import InputError
+from wayline.keys import FLEET, ROOT, alive_key, is_vehicle_id, message_key, query_key
+from wayline.messages import Arrivals, Health, Horizon, Progress
+
+SERVICES_USER = "_services"
+"""User of the server's services; no vehicle's id begins with an underscore."""
+DASHBOARD_USER = "_dashboard"
+"""User of the dashboard: it reads everything and publishes its own health."""
+
+ASK = ("declare_subscriber", "query", "liveliness_query", "declare_liveliness_subscriber")
+"""What a reader sends and a publisher gets."""
+SAY = ("put", "reply", "declare_queryable", "liveliness_token")
+"""What a publisher sends and a reader gets. Nothing of Wayline deletes, so `delete` is denied."""
+SERVER_TOPICS = (Progress.topic, Arrivals.topic, Horizon.topic)
+"""What a server's services publish for a vehicle."""
+
+FLEET_RULES = ("vehicles ask the fleet", "vehicles hear of answers", "vehicles hear the fleet")
+"""Ids of what a vehicle may beyond its own keys."""
+
+Table = dict[str, Any]
+
+
+def access_control(vehicle_ids: Sequence[str]) -> Table:
+    """The router's `access_control` table; what no rule allows is denied.
+
+    A vehicle's user is its id: it publishes and reads its own keys, and may query what lies
+    ahead. Raises InputError for what is no vehicle's id and for one that is there twice.
+    """
+    _check(vehicle_ids)
+    roles = _server_roles() | {vehicle_id: _vehicle_role(vehicle_id) for vehicle_id in vehicle_ids}
+    return {
+        "enabled": True,
+        "default_permission": "deny",
+        "rules": [*_server_rules(), *(rule for id_ in vehicle_ids for rule in _vehicle_rules(id_))],
+        "subjects": [{"id": user, "usernames": [user]} for user in roles],
+        "policies": [{"subjects": [user], "rules": rules} for user, rules in roles.items()],
+    }
+
+
+def _check(vehicle_ids: Sequence[str]) -> None:
+    for vehicle_id, times in Counter(vehicle_ids).items():
+        where = f"vehicle {vehicle_id!r}"
+        if not is_vehicle_id(vehicle_id):
+            mend = "use up to 64 of a-z, 0-9, _ and -, beginning with a letter or digit"
+            raise InputError(where, "is no vehicle id", mend)
+        if times > 1:
+            raise InputError(where, f"is there {times} times", "name each vehicle once")
+
+
+def _server_roles() -> dict[str, list[str]]:
+    reads = ["all are asked", "readers ask", "readers hear", "readers are seen"]
+    return {
+        SERVICES_USER: [*reads, "services publish"],
+        DASHBOARD_USER: [*reads, "dashboard publishes"],
+    }
+
+
+def _vehicle_role(vehicle_id: str) -> list[str]:
+    shared = ["all are asked", *FLEET_RULES]
+    return [*shared, f"{vehicle_id} sends", f"{vehicle_id} hears"]
+
+
+def _server_rules() -> list[Table]:
+    lookahead, queries = query_key(FLEET, "*"), query_key("*", "*")
+    outputs = [key for topic in SERVER_TOPICS for key in _topic_keys("*", topic, "*")]
+    health = [*_topic_keys(FLEET, Health.topic, "*"), alive_key(FLEET, "*")]
+    own = [*_topic_keys(FLEET, Health.topic, "dashboard"), alive_key(FLEET, "dashboard")]
+    return [
+        # a reader's question names every vehicle (`*`), so it lies within no vehicle's own keys
+        _rule("all are asked", "egress", ASK, _vehicle_keys("*")),
+        _rule("readers ask", "ingress", ASK, _vehicle_keys("*")),
+        _rule("readers hear", "egress", SAY, _vehicle_keys("*")),
+        _rule("readers are seen", "ingress", ("liveliness_token",), [f"{ROOT}/**/@adv/sub/**"]),
+        _rule("services publish", "ingress", SAY, [*outputs, *health, queries]),
+        _rule("dashboard publishes", "ingress", SAY, own),
+        _rule("vehicles ask the fleet", "ingress", ("query",), [lookahead]),
+        # `*` again: a vehicle's own router asks only where it knows of somebody who answers
+        _rule("vehicles hear of answers", "egress", ("declare_queryable",), [queries]),
+        _rule("vehicles hear the fleet", "egress", ("reply",), [lookahead]),
+    ]
+
+
+def _vehicle_rules(vehicle_id: str) -> list[Table]:
+    keys = _vehicle_keys(vehicle_id)
+    return [
+        _rule(f"{vehicle_id} sends", "ingress", (*SAY, *ASK), keys),
+        _rule(f"{vehicle_id} hears", "egress", SAY, keys),
+    ]
+
+
+def _rule(
+    name: str, flow: Literal["ingress", "egress"], messages: Sequence[str], keys: Sequence[str]
+) -> Table:
+    return {
+        "id": name,
+        "permission": "allow",
+        "flows": [flow],
+        "messages": list(messages),
+        "key_exprs": list(keys),
+    }
+
+
+def _vehicle_keys(vehicle_id: str) -> list[str]:
+    """Everything under a vehicle, its `@` keys by name."""
+    return [
+        f"{ROOT}/{vehicle_id}/**",
+        f"{ROOT}/{vehicle_id}/*/*/@adv/**",
+        alive_key(vehicle_id, "*"),
+        query_key(vehicle_id, "*"),
+    ]
+
+
+def _topic_keys(vehicle_id: str, topic: str, source: str) -> list[str]:
+    key = message_key(vehicle_id, topic, source)
+    return [key, f"{key}/@adv/**"]

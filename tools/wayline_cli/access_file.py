@@ -1,0 +1,66 @@
+"""Writes the access control of a fleet into a router's configuration file, in place.
+
+    python -m wayline_cli.access_file /etc/wayline/server.json5 bus-1 bus-2
+
+Everything else in the file, comments included, stays as it is.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from wayline.errors import InputError
+from wayline_cli.access import access_control
+
+BEGIN, END = "  // access control begins", "  // access control ends"
+USAGE = "usage: python -m wayline_cli.access_file ROUTER.json5 VEHICLE_ID..."
+
+
+def rewrite(path: Path, vehicle_ids: Sequence[str]) -> None:
+    """Replace what is between the two marking lines of the file by these vehicles' rules.
+
+    Raises InputError for a vehicle id that is none and for a file without the marking lines.
+    """
+    table = rendered(vehicle_ids)
+    text = _read(path)
+    head, begin, rest = text.partition(BEGIN)
+    marking, _, rest = rest.partition("\n")
+    _, end, tail = rest.partition(END)
+    if not (begin and end):
+        mend = "begin with a copy of deploy/zenoh/server.json5"
+        raise InputError(str(path), f"has no lines {BEGIN.strip()!r} and {END.strip()!r}", mend)
+    path.write_text(f"{head}{begin}{marking}\n{table}{end}{tail}", encoding="utf-8")
+
+
+def rendered(vehicle_ids: Sequence[str]) -> str:
+    """The table as an indented member of the file's object."""
+    text = json.dumps({"access_control": access_control(vehicle_ids)}, indent=2)
+    members = text.splitlines()[1:-1]
+    return "\n".join(members) + ",\n"
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the command: 0, or 2 after one line that says what to mend."""
+    if not arguments:
+        sys.stderr.write(f"{USAGE}\n")
+        return 2
+    try:
+        rewrite(Path(arguments[0]), arguments[1:])
+    except InputError as error:
+        sys.stderr.write(f"wayline: {error}\n")
+        return 2
+    return 0
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(str(path), "no such file", "check the path") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), f"cannot be read ({error})", "check the file") from None
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
