@@ -36,6 +36,8 @@ def router_config(settings: BusSettings) -> zenoh.Config:
         "mode": "router",
         "connect/endpoints": [],
         "listen/endpoints": [endpoint],
+        # it looks for no other router
+        "scouting/delay": 0,
     }
     for key, value in entries.items():
         config.insert_json5(key, json.dumps(value))
