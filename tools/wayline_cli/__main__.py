@@ -1,10 +1,16 @@
-"""The `wayline` command: parses arguments, shows progress, turns errors into one line."""
+"""The `wayline` command: parses arguments, shows progress, turns errors into one line.
 
+Each command imports what it needs when it runs, so that `--help` answers at once.
+"""
+
+import os
 import signal
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
@@ -13,10 +19,11 @@ from rich.table import Table
 
 from wayline import __version__
 from wayline.errors import InputError
-from wayline.route import write_route
-from wayline_cli.replay import Summary, replay
-from wayline_cli.route_import import route_from_csv
-from wayline_cli.stream import Outage
+
+if TYPE_CHECKING:
+    from wayline.settings import BusSettings
+    from wayline_cli.replay import Summary
+    from wayline_cli.stream import Outage
 
 app = typer.Typer(
     help="Locates vehicles, predicts their arrivals and learns the slope of the roads they drive.",
@@ -25,7 +32,14 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 route_app = typer.Typer(help="Routes for the arrivals service.", no_args_is_help=True)
+slope_app = typer.Typer(help="Slope databases.", no_args_is_help=True)
 app.add_typer(route_app, name="route")
+app.add_typer(slope_app, name="slope")
+
+ConfigOption = Annotated[Path, typer.Option(help="Configuration file (see deploy/wayline.toml).")]
+OptionalConfig = Annotated[
+    Path | None, typer.Option(help="Configuration file; default: a router on this machine.")
+]
 
 
 def main() -> None:
@@ -36,6 +50,10 @@ def main() -> None:
     except InputError as error:
         sys.stderr.write(f"wayline: {error}\n")
         sys.exit(2)
+    except BrokenPipeError:
+        # whoever read the output has seen enough; nothing may be flushed into the closed pipe
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
     except KeyboardInterrupt:
         sys.exit(0)
 
@@ -79,18 +97,10 @@ def replay_command(
     ] = None,
 ) -> None:
     """Run a recorded drive through the whole system, as fast as it goes."""
+    from wayline_cli.replay import replay
+
     outages = [parse_outage(text) for text in gps_outage or []]
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    console = Console(stderr=True)
-    hidden = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
-        task = bar.add_task("opening the drive")
-
-        def progressed(duration_s: float) -> None:
-            elapsed_s = bar.tasks[0].elapsed or 0.0
-            speed = duration_s / elapsed_s if elapsed_s > 0.0 else 0.0
-            bar.update(task, description=f"{duration_s:,.0f} s driven, {speed:.0f} x real time")
-
+    with _progress() as progressed:
         summary = replay(
             drive,
             out,
@@ -102,34 +112,151 @@ def replay_command(
     _print_summary(summary, out)
 
 
+@app.command("view")
+def view_command(
+    source: Annotated[Path, typer.Argument(help="A drive, a replay's output or an MCAP file.")],
+    save: Annotated[
+        Path | None, typer.Option(help="Write an .rrd file instead of opening the viewer.")
+    ] = None,
+    route: Annotated[
+        Path | None, typer.Option(help="Route to draw (GeoJSON), instead of the drive's own.")
+    ] = None,
+) -> None:
+    """Show a drive in Rerun: map, innovations against gates, calibration, altitude, states."""
+    from wayline_cli.view import view
+
+    with _progress() as progressed:
+        viewed = view(source, save, route_path=route, progressed=progressed)
+    if save is not None:
+        typer.echo(f"{viewed.path}: {viewed.rows:,} rows in {viewed.elapsed_s:.1f} s")
+
+
+@app.command("up")
+def up_command(config: ConfigOption) -> None:
+    """Start, watch and restart the services that a configuration lists, until told to stop."""
+    from wayline_cli.up import up
+
+    up(config)
+
+
+@app.command("record")
+def record_command(
+    file: Annotated[Path, typer.Argument(help="MCAP file to write.")],
+    config: OptionalConfig = None,
+    seconds: Annotated[float | None, typer.Option(help="Stop after so many seconds.")] = None,
+) -> None:
+    """Record every message of the bus to an MCAP file, until told to stop."""
+    from wayline_cli.record import record
+
+    recorded = record(file, _bus(config), seconds=seconds, say=_say)
+    for topic, count in recorded.counts.items():
+        typer.echo(f"{topic:14} {count:>10,}")
+    lost = recorded.dropped + recorded.missed + recorded.refused
+    typer.echo(f"{'lost':14} {lost:>10,}")
+
+
+@app.command("play")
+def play_command(
+    file: Annotated[Path, typer.Argument(help="MCAP file of `wayline record`.")],
+    config: OptionalConfig = None,
+    speed: Annotated[float, typer.Option(help="Times as fast as recorded.")] = 1.0,
+) -> None:
+    """Play a recording back onto the bus, under the keys that it was recorded from."""
+    from wayline_cli.play import play
+
+    played = play(file, _bus(config), speed=speed, say=_say)
+    typer.echo(f"{played.messages:,} messages, {played.seconds:,.1f} s")
+    if not played.complete:
+        _say(f"{file} ends abruptly: its recorder was killed")
+
+
 @route_app.command("import")
 def route_import_command(
-    csv: Annotated[Path, typer.Argument(help="CSV with latitude, longitude and speed columns.")],
+    source: Annotated[
+        Path, typer.Argument(help="CSV with latitude, longitude, speed; or a GTFS folder or zip.")
+    ],
     out: Annotated[Path, typer.Option(help="GeoJSON file to write.")],
-    route_id: Annotated[str | None, typer.Option(help="Default: the file's name.")] = None,
-    name: Annotated[str | None, typer.Option(help="Default: the route's id.")] = None,
-    loop: Annotated[bool, typer.Option(help="Close the line; laps are counted.")] = False,
+    route_id: Annotated[str | None, typer.Option(help="Of a CSV; default: its name.")] = None,
+    name: Annotated[str | None, typer.Option(help="Of a CSV; default: the route's id.")] = None,
+    loop: Annotated[bool, typer.Option(help="Of a CSV: close the line, count laps.")] = False,
+    trip: Annotated[str | None, typer.Option(help="Of a GTFS feed: the trip to follow.")] = None,
 ) -> None:
-    """Make a route from a table of points; the speed of a point holds until the next one."""
-    route = route_from_csv(csv, route_id or csv.stem, name or route_id or csv.stem, loop=loop)
+    """Make a route; the speed of a CSV's point holds until the next one."""
+    from wayline.route import write_route
+    from wayline_cli.gtfs_route import route_from_gtfs
+    from wayline_cli.route_import import route_from_csv
+
+    if source.is_dir() or source.suffix == ".zip":
+        if trip is None:
+            mend = "name a trip_id of its trips.txt with --trip"
+            raise InputError(str(source), "is a GTFS feed, which has many trips", mend)
+        route = route_from_gtfs(source, trip)
+    else:
+        known_id = route_id or source.stem
+        route = route_from_csv(source, known_id, name or known_id, loop=loop)
     write_route(route, out)
     typer.echo(f"{out}: {route.route_id}, {route.length_m:,.0f} m, {route.duration_s:,.0f} s")
 
 
-def parse_outage(text: str) -> Outage:
+@slope_app.command("export")
+def slope_export_command(
+    database: Annotated[str, typer.Option(help="e.g. sqlite:///wayline.db")],
+    format_: Annotated[str, typer.Option("--format", help="csv")] = "csv",
+    out: Annotated[Path | None, typer.Option(help="File to write; default: stdout.")] = None,
+) -> None:
+    """Write what a database knows of its roads, one row a bin."""
+    from wayline_cli.slope_export import export_slope_csv
+
+    if format_ != "csv":
+        raise InputError("--format", f"{format_!r} is unknown", "give csv")
+    rows = export_slope_csv(database, out, sys.stdout)
+    if out is not None:
+        typer.echo(f"{out}: {rows:,} bins")
+
+
+def parse_outage(text: str) -> "Outage":
     """An outage from START_S:LENGTH_S."""
-    start, colon, length = text.partition(":")
+    from wayline_cli.stream import Outage
+
+    mend = "give START_S:LENGTH_S, e.g. 600:60"
+    start, _, length = text.partition(":")
     try:
         outage = Outage(float(start), float(length))
     except ValueError:
-        colon = ""
-    if not colon or outage.start_s < 0.0 or outage.length_s <= 0.0:
-        mend = "give START_S:LENGTH_S, e.g. 600:60"
+        raise InputError("--gps-outage", f"{text!r} is no outage", mend) from None
+    if not (outage.start_s >= 0.0 and outage.length_s > 0.0):
         raise InputError("--gps-outage", f"{text!r} is no outage", mend)
     return outage
 
 
-def _print_summary(summary: Summary, out: Path) -> None:
+def _bus(config: Path | None) -> "BusSettings":
+    from wayline.settings import Settings, load_settings, overridden
+
+    return (load_settings(config) if config else overridden(Settings(), os.environ)).bus
+
+
+def _say(text: str) -> None:
+    typer.echo(f"wayline: {text}", err=True)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[float], None]]:
+    """How far a replay has come, on a terminal."""
+    console = Console(stderr=True)
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    hidden = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as bar:
+        task = bar.add_task("opening the drive")
+
+        def progressed(duration_s: float) -> None:
+            elapsed_s = bar.tasks[0].elapsed or 0.0
+            speed = duration_s / elapsed_s if elapsed_s > 0.0 else 0.0
+            bar.update(task, description=f"{duration_s:,.0f} s driven, {speed:.0f} x real time")
+
+        yield progressed
+
+
+def _print_summary(summary: "Summary", out: Path) -> None:
     table = Table(title=f"{summary.vehicle_id}: replayed to {out}", show_header=False)
     table.add_column(style="bold")
     table.add_column(justify="right")
