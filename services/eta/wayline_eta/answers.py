@@ -133,9 +133,14 @@ def _progress(progress: Progress) -> ProgressAnswer:
 
 
 def arrival_answers(
-    vehicle_id: str, known: Known, now_ns: int, forget_after_s: float
+    vehicle_id: str,
+    known: Known,
+    now_ns: int,
+    *,
+    forget_after_s: float,
+    stop_id: str | None = None,
 ) -> list[ArrivalAnswer]:
-    """A vehicle's next arrivals, as its last `arrivals` message has them in order.
+    """A vehicle's next arrivals as its last `arrivals` message has them, at one stop or all.
 
     None once what they rest on is older than `forget_after_s`, even where the core that would
     have said so has gone silent.
@@ -150,6 +155,7 @@ def arrival_answers(
     return [
         _arrival(vehicle_id, stop, vehicle_now_ns, age_s=age_s, stale=stale)
         for stop in arrivals.stops
+        if stop_id is None or stop.stop_id == stop_id
     ]
 
 

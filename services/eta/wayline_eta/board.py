@@ -18,6 +18,7 @@ from wayline.parameters import read_parameters
 from wayline.query_error import QueryError
 from wayline.tuning import Tuning
 from wayline_eta.answers import (
+    ArrivalAnswer,
     ArrivalList,
     VehicleAnswer,
     VehicleList,
@@ -78,21 +79,30 @@ class EtaBoard:
         answers = (vehicle_answer(name, vehicles[name], now_ns) for name in sorted(vehicles))
         return VehicleList(tuple(answers))
 
-    def arrivals(self, vehicle_id: str) -> ArrivalList:
-        """One vehicle's next arrivals. Raises QueryError (404) for one that was never heard."""
+    def arrivals(self, vehicle_id: str, stop_id: str | None = None) -> ArrivalList:
+        """One vehicle's next arrivals, at one stop or all, soonest first.
+
+        Raises QueryError (404) for a vehicle that was never heard.
+        """
         known, now_ns = self._look(vehicle_id)
-        return soonest_first(arrival_answers(vehicle_id, known, now_ns, self._forget_after_s))
+        return soonest_first(self._arrivals(vehicle_id, known, now_ns, stop_id))
 
     def stop_arrivals(self, stop_id: str) -> ArrivalList:
-        """The next arrival of every vehicle at a stop."""
+        """The next arrival of every vehicle at a stop, soonest first."""
         vehicles, now_ns = self._look_at_all()
         found = [
             at
             for vehicle_id, known in vehicles.items()
-            for at in arrival_answers(vehicle_id, known, now_ns, self._forget_after_s)
-            if at.stop_id == stop_id
+            for at in self._arrivals(vehicle_id, known, now_ns, stop_id)
         ]
         return soonest_first(found)
+
+    def _arrivals(
+        self, vehicle_id: str, known: Known, now_ns: int, stop_id: str | None
+    ) -> list[ArrivalAnswer]:
+        return arrival_answers(
+            vehicle_id, known, now_ns, forget_after_s=self._forget_after_s, stop_id=stop_id
+        )
 
     def _look(self, vehicle_id: str) -> tuple[Known, int]:
         with self._lock:
@@ -115,7 +125,4 @@ def answer_arrivals(
     Raises QueryError: 404 for a vehicle that was never heard, 422 for an unfit parameter.
     """
     asked = read_parameters(parameters, ArrivalsParameters)
-    found = board.arrivals(vehicle_id)
-    if asked.stop_id is msgspec.UNSET:
-        return found
-    return ArrivalList(tuple(at for at in found.arrivals if at.stop_id == asked.stop_id))
+    return board.arrivals(vehicle_id, None if asked.stop_id is msgspec.UNSET else asked.stop_id)
