@@ -127,6 +127,12 @@ def test_the_age_is_that_of_the_position_that_arrivals_rest_on(
     assert at["seconds"] == pytest.approx(2.0, abs=1.0)
 
 
+def test_predictions_that_stop_grow_old_though_poses_go_on(board: EtaBoard, clock: Clock) -> None:
+    clock.wait(9.0)
+    board.put("bus-1", last_pose(), "fusion")
+    assert {(at["age_s"], at["stale"]) for at in arrivals_of(board)} == {(9.0, True)}
+
+
 def later(arrivals: Arrivals, seconds: float, *, stale: bool) -> Arrivals:
     t_ns = arrivals.t_ns + round(seconds * SECOND_NS)
     return Arrivals(t_ns=t_ns, route_id=arrivals.route_id, stale=stale, stops=arrivals.stops)
@@ -261,9 +267,11 @@ def test_a_fix_stands_in_while_fusion_is_silent(board: EtaBoard, clock: Clock) -
     fix = GpsFix(
         t_ns=START_NS, valid=True, lat_deg=40.0, lon_deg=-75.0, course_deg=12.0, speed_mps=4.0
     )
-    board.put("bus-1", fix, "gps-ingest")
     http = client(board)
+    clock.wait(0.1)
+    board.put("bus-1", fix, "gps-ingest")
     assert http.get("/v1/vehicles/bus-1").json()["position"]["source"] == "fusion"
+    board.put("bus-1", last_pose(), "fusion")
     clock.wait(2.1)
     assert http.get("/v1/vehicles/bus-1").json()["position"]["source"] == "fusion"
     board.put("bus-1", fix, "gps-ingest")

@@ -306,6 +306,15 @@ def test_between_horizons_a_vehicle_is_carried_on(book: SlopeBook, profile: Road
     assert asked(book, "/v1/vehicles/car/lookahead")["position_m"] == horizon.position_m
 
 
+def test_a_vehicle_is_carried_to_the_end_of_its_road_and_no_further(
+    book: SlopeBook, profile: RoadProfile
+) -> None:
+    horizon = heard(book, profile)
+    book.put("car", Pose(t_ns=horizon.t_ns, mode="fused", distance_m=9e4), "fusion")
+    answer = asked(book, "/v1/vehicles/car/lookahead")
+    assert answer["position_m"] == profile.road.line.length_m
+
+
 def test_a_vehicle_in_reverse_goes_tail_first(book: SlopeBook, profile: RoadProfile) -> None:
     lat_deg, lon_deg, heading_deg = profile.road.line.point_at(500.0)
     pose = Pose(
