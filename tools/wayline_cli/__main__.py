@@ -175,6 +175,7 @@ def route_import_command(
     source: Annotated[
         Path, typer.Argument(help="CSV with latitude, longitude, speed; or a GTFS folder or zip.")
     ],
+    *,
     out: Annotated[Path, typer.Option(help="GeoJSON file to write.")],
     route_id: Annotated[str | None, typer.Option(help="Of a CSV; default: its name.")] = None,
     name: Annotated[str | None, typer.Option(help="Of a CSV; default: the route's id.")] = None,

@@ -20,6 +20,7 @@ class States(IntEnum):
     ALTITUDE = 0  # m above mean sea level
     SLOPE = 1  # tan of the slope angle
     BARO_BIAS = 2  # m, barometric altitude minus altitude
+    GPS_ERROR = 3  # m, slowly varying error of the fixes' altitude
 
 
 S = States
@@ -33,10 +34,16 @@ class VerticalFilter:
         self._filter = KalmanFilter(dim_x=len(States), dim_z=1)
         self._filter.x = np.zeros(len(States))
         self._filter.P = np.diag(
-            [1e6, (tuning.slope_initial_std_pct / 100.0) ** 2, tuning.baro_bias_initial_std_m**2]
+            [
+                1e6,
+                (tuning.slope_initial_std_pct / 100.0) ** 2,
+                tuning.baro_bias_initial_std_m**2,
+                0.0,
+            ]
         )
         self._filter.F = np.eye(len(States))
         self._filter.Q = np.zeros((len(States), len(States)))
+        self._slow_std_m = 0.0
         self.known = False
         self.rejected_in_row = 0
 
@@ -51,22 +58,43 @@ class VerticalFilter:
         kalman.Q[S.ALTITUDE, S.SLOPE] = kalman.Q[S.SLOPE, S.ALTITUDE] = (
             walk * length * distance_m / 2.0
         )
+        kept = math.exp(-dt_s / tuning.gps_error_time_s)
+        kalman.F[S.GPS_ERROR, S.GPS_ERROR] = kept
+        kalman.Q[S.GPS_ERROR, S.GPS_ERROR] = (1.0 - kept**2) * self._slow_std_m**2
         kalman.Q[S.BARO_BIAS, S.BARO_BIAS] = tuning.baro_bias_walk_m_per_sqrt_s**2 * dt_s
         kalman.predict()
 
     def gps(self, alt_m: float, std_m: float) -> None:
         """Altitude of a fix; the first one sets the altitude, an unlikely one is left out."""
         H = np.zeros((1, len(States)))
-        H[0, S.ALTITUDE] = 1.0
-        unlikely = self.known and self._nis(alt_m, H, std_m) > self._tuning.altitude_gate_nis
+        H[0, S.ALTITUDE] = H[0, S.GPS_ERROR] = 1.0
+        slow_std_m = math.sqrt(self._tuning.gps_error_share) * std_m
+        white_std_m = math.sqrt(std_m**2 - slow_std_m**2)
+        self._expect_gps_error(slow_std_m)
+        unlikely = self.known and self._nis(alt_m, H, white_std_m) > self._tuning.altitude_gate_nis
         if unlikely and self.rejected_in_row < self._tuning.altitude_rejections_max:
             self.rejected_in_row += 1
             return
         if unlikely:
             self._filter.P[S.ALTITUDE, S.ALTITUDE] += (alt_m - self.altitude_m) ** 2
         self.rejected_in_row = 0
-        self._filter.update(np.array([alt_m]), R=std_m**2, H=H)
+        self._filter.update(np.array([alt_m]), R=white_std_m**2, H=H)
         self.known = True
+
+    def _expect_gps_error(self, slow_std_m: float) -> None:
+        """A receiver that becomes surer has lost the error it had; one that doubts may have more.
+
+        So a cold start's error of tens of metres is not carried along for minutes.
+        """
+        kalman, before_m = self._filter, self._slow_std_m
+        self._slow_std_m = slow_std_m
+        if slow_std_m < before_m:
+            shrink = slow_std_m / before_m
+            kalman.x[S.GPS_ERROR] *= shrink
+            kalman.P[S.GPS_ERROR, :] *= shrink
+            kalman.P[:, S.GPS_ERROR] *= shrink
+        else:
+            kalman.P[S.GPS_ERROR, S.GPS_ERROR] += slow_std_m**2 - before_m**2
 
     def barometer(self, pressure_altitude_m: float, std_m: float) -> None:
         """Barometric altitude: the altitude plus the bias of weather and sensor."""
