@@ -233,9 +233,10 @@ def test_playing_keeps_the_pace_at_its_speed() -> None:
     assert paced([0.0, 1.0, 0.5, 2.0], 5.0) == pytest.approx([0.0, 0.2, 0.2, 0.4], abs=0.1)
 
 
-def test_playing_stops_when_asked() -> None:
+@pytest.mark.parametrize("next_s", [0, 1000])
+def test_playing_stops_when_asked(next_s: float) -> None:
     stop = Stop()
-    records = [(at(each), KEY, b"{}") for each in (0, 1000)]
+    records = [(at(each), KEY, b"{}") for each in (0, next_s)]
     began_s = time.monotonic()
     result = play_records(records, lambda *_: stop.request(), stop, speed=1.0)
     assert result == (1, 0.0)
@@ -329,6 +330,7 @@ def test_a_second_router_at_the_same_place_is_named(bus: BusSettings) -> None:
         ("tcp/[::]:7447", False),
         ("tcp/192.168.1.2:7447", False),
         ("tcp/127.0.0.1.example.org:7447", False),
+        ("tcp/10.0.0.1:7447#tcp/127.0.0.1:7447", False),
         ("nonsense", False),
     ],
 )

@@ -70,10 +70,7 @@ def play_records(
         if count == 0:
             first_ns = log_time_ns
         due_s = started_s + (log_time_ns - first_ns) / 1e9 / speed
-        wait_s = due_s - time.monotonic()
-        if wait_s > 0.0 and stop.wait(wait_s):
-            break
-        if stop.requested:
+        if stop.wait(due_s - time.monotonic()):
             break
         parts = parse_key(key)
         if parts is not None:

@@ -178,7 +178,7 @@ def test_a_killed_service_is_back_within_three_seconds(run: type[Running]) -> No
 
 
 def test_lines_come_with_their_service_errors_included(run: type[Running]) -> None:
-    code = "import sys; sys.stderr.write('oh \\xfe\\n'); " + SERVICE
+    code = "import sys; sys.stderr.buffer.write(b'oh \\xfe\\n'); " + SERVICE
     running = run([fake("eta"), fake("gps", code)])
     said = {running.line(), running.line(), running.line()}
     assert {name for name, line in said if line.startswith("pid")} == {"eta", "gps"}
