@@ -1,96 +1,26 @@
-"""The slope map's answers: the core's own numbers, unknown as null, and what is refused."""
+"""Roads and profiles over HTTP: the core's own numbers, unknown as null, refusals."""
 
 import csv
 import io
 import itertools
-from typing import Any
 
-import msgspec
 import numpy as np
 import pytest
-from fastapi.testclient import TestClient
 
+from unit.slope_map.asking import NOW_NS, asked, client, path_of
 from unit.slope_map.hilly_road import (
-    SECOND_NS,
-    START_NS,
-    core,
-    drive,
-    ring,
-    runs_of,
     true_grade_pct,
 )
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
 from wayline.line import Line
-from wayline.messages import Gyro, Horizon, HorizonPoint, Message, Pose
-from wayline.query_error import QueryError
 from wayline.rfc3339 import rfc3339
-from wayline_slope_map.app import create_slope_app
 from wayline_slope_map.book import SlopeBook
-from wayline_slope_map.profile import RoadProfile, lookahead
-from wayline_slope_map.queries import answer_lookahead
+from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.questions import POINTS_MAX
-from wayline_slope_map.records import FinishedRun
 from wayline_slope_map.roads import Road
-from wayline_slope_map.sums import BinEstimate, estimate, run_sums
 
 TOKEN = "correct-horse-battery"
-NOW_NS = 7 * SECOND_NS
-
-
-def profile_of(*runs: FinishedRun) -> RoadProfile:
-    bins: dict[int, dict[int, BinEstimate]] = {
-        run.direction: {
-            at.bin_index: estimate(
-                run_sums(at.grade_pct, at.grade_std_pct, at.alt_m, at.alt_std_m, run.end_ns)
-            )
-            for at in run.bins
-            if at.sensor == "fused"
-        }
-        for run in runs
-    }
-    return RoadProfile(runs[0].road, bins)
-
-
-@pytest.fixture(scope="module")
-def profile() -> RoadProfile:
-    """A road of 3 km, driven once each way; one of its bins is not known forward."""
-    (there,) = runs_of(core(), drive(seed=1, length_m=3000.0))
-    knowing = core(profiles=[profile_of(there)])
-    later_ns = START_NS + 3600 * SECOND_NS
-    back_drive = drive(seed=2, length_m=3000.0, backwards=True, start_ns=later_ns)
-    (back,) = runs_of(knowing, back_drive)
-    both = profile_of(there, back)
-    forward = {index: known for index, known in both.bins[1].items() if index != 40}
-    return RoadProfile(both.road, {1: forward, -1: both.bins[-1]})
-
-
-@pytest.fixture
-def book(profile: RoadProfile) -> SlopeBook:
-    return SlopeBook([profile], lambda: NOW_NS)
-
-
-def client(book: SlopeBook, settings: HttpSettings | None = None) -> TestClient:
-    return TestClient(
-        create_slope_app(book, settings or HttpSettings()), base_url="http://localhost"
-    )
-
-
-def asked(book: SlopeBook, path: str, **parameters: float | str) -> Any:
-    answer = client(book).get(path, params=parameters)
-    assert answer.status_code == 200, answer.text
-    return answer.json()
-
-
-def path_of(profile: RoadProfile, document: str = "profile") -> str:
-    return f"/v1/roads/{profile.road.road_id}/{document}"
-
-
-def shown(point: HorizonPoint) -> dict[str, Any]:
-    """A point of the core as HTTP shows it."""
-    fields = msgspec.structs.asdict(point)
-    updated_ns = fields.pop("updated_ns")
-    return {**fields, "updated": None if updated_ns is None else rfc3339(updated_ns)}
 
 
 def test_roads_are_listed_with_what_is_known_of_them(book: SlopeBook, profile: RoadProfile) -> None:
@@ -210,163 +140,6 @@ def test_the_geojson_is_the_road_in_pieces_that_join(
     assert whole.length_m == pytest.approx(line.length_m - 1000.0, abs=0.1)
 
 
-@pytest.mark.parametrize(
-    ("turn_deg", "way", "direction"), [(0, "forward", 1), (180, "backward", -1)]
-)
-def test_the_lookahead_of_a_place_is_the_cores(
-    book: SlopeBook, profile: RoadProfile, turn_deg: float, way: str, direction: int
-) -> None:
-    lat_deg, lon_deg, heading_deg = profile.road.line.point_at(1500.0)
-    parameters = {
-        "lat_deg": lat_deg,
-        "lon_deg": lon_deg,
-        "heading_deg": (heading_deg + turn_deg) % 360.0,
-    }
-    answer = asked(book, "/v1/lookahead", **parameters)
-    assert (answer["road_id"], answer["direction"]) == (profile.road.road_id, way)
-    at_m = answer["position_m"]
-    assert at_m == pytest.approx(1500.0, abs=0.5)
-    expected = lookahead(profile, at_m, direction, length_m=2000.0, step_m=20.0)
-    assert answer["points"] == [shown(point) for point in expected]
-    assert len(answer["points"]) == 101
-    # the road's end (or start) is about 1500 m away; beyond it nothing is known
-    assert {at["grade_pct"] for at in answer["points"][78:]} == {None}
-    finer = asked(book, "/v1/lookahead", **parameters, length_m=10, step_m=2.5)
-    assert [at["distance_m"] for at in finer["points"]] == [0.0, 2.5, 5.0, 7.5, 10.0]
-
-
-def test_off_every_road_all_is_null_and_not_0(book: SlopeBook, profile: RoadProfile) -> None:
-    lat_deg, lon_deg, heading_deg = profile.road.line.point_at(1500.0)
-    for place in (
-        {"lat_deg": lat_deg + 0.01, "lon_deg": lon_deg, "heading_deg": heading_deg},
-        {"lat_deg": lat_deg, "lon_deg": lon_deg, "heading_deg": (heading_deg + 90.0) % 360.0},
-    ):
-        answer = asked(book, "/v1/lookahead", **place, length_m=40)
-        nothing = {
-            "grade_pct": None, "grade_std_pct": None, "alt_m": None, "runs": 0, "updated": None
-        }  # fmt: skip
-        assert answer == {
-            "road_id": None,
-            "position_m": None,
-            "direction": None,
-            "points": [{"distance_m": at_m, **nothing} for at_m in (0.0, 20.0, 40.0)],
-        }
-
-
-def test_a_query_gets_what_http_gets(book: SlopeBook, profile: RoadProfile) -> None:
-    lat_deg, lon_deg, heading_deg = profile.road.line.point_at(1500.0)
-    place = {"lat_deg": f"{lat_deg}", "lon_deg": f"{lon_deg}", "heading_deg": f"{heading_deg}"}
-    answer = answer_lookahead(book, {**place, "length_m": "100"})
-    assert msgspec.json.decode(msgspec.json.encode(answer)) == asked(
-        book, "/v1/lookahead", **place, length_m=100
-    )
-    with pytest.raises(QueryError, match=r"step_m: Expected `float` >= 1\.0") as refused:
-        answer_lookahead(book, {**place, "step_m": "0.5"})
-    assert (refused.value.status, refused.value.parameter) == (422, "step_m")
-
-
-def heard(book: SlopeBook, profile: RoadProfile, *, backwards: bool = False) -> Horizon:
-    """Drive 60 s over the known road; the last horizon that was made on a whole second."""
-    knowing, last = core(profiles=[profile]), None
-    later_ns = START_NS + 86_400 * SECOND_NS
-    for message in drive(seed=9, length_m=900.0, start_ns=later_ns, backwards=backwards):
-        for output in [message, *knowing.handle(message, "test")]:
-            if isinstance(output, Pose | Horizon):
-                book.put("car", output, "test")
-                last = output if isinstance(output, Horizon) else last
-                if isinstance(output, Horizon) and output.t_ns >= later_ns + 50 * SECOND_NS:
-                    return output
-    assert last is not None
-    return last
-
-
-@pytest.mark.parametrize("backwards", [False, True])
-def test_a_vehicles_lookahead_is_its_horizon(
-    book: SlopeBook, profile: RoadProfile, backwards: bool
-) -> None:
-    horizon = heard(book, profile, backwards=backwards)
-    answer = asked(book, "/v1/vehicles/car/lookahead")
-    assert answer["vehicle_id"] == "car"
-    assert answer["direction"] == ("backward" if backwards else "forward")
-    assert (answer["road_id"], answer["position_m"]) == (horizon.road_id, horizon.position_m)
-    assert answer["points"] == [shown(point) for point in horizon.points]
-    assert any(at["grade_pct"] is not None for at in answer["points"])
-
-
-def test_between_horizons_a_vehicle_is_carried_on(book: SlopeBook, profile: RoadProfile) -> None:
-    horizon = heard(book, profile)
-    pose = Pose(t_ns=horizon.t_ns, mode="fused", distance_m=750.0 + 12.0)
-    book.put("car", pose, "fusion")
-    answer = asked(book, "/v1/vehicles/car/lookahead", length_m=100, step_m=50)
-    assert horizon.position_m is not None
-    assert answer["position_m"] == pytest.approx(horizon.position_m + 12.0, abs=1e-6)
-    assert [at["distance_m"] for at in answer["points"]] == [0.0, 50.0, 100.0]
-    restarted = msgspec.structs.replace(pose, distance_m=0.0)
-    book.put("car", restarted, "fusion")
-    assert asked(book, "/v1/vehicles/car/lookahead")["position_m"] == horizon.position_m
-
-
-def test_a_vehicle_is_carried_to_the_end_of_its_road_and_no_further(
-    book: SlopeBook, profile: RoadProfile
-) -> None:
-    horizon = heard(book, profile)
-    book.put("car", Pose(t_ns=horizon.t_ns, mode="fused", distance_m=9e4), "fusion")
-    answer = asked(book, "/v1/vehicles/car/lookahead")
-    assert answer["position_m"] == profile.road.line.length_m
-
-
-def test_a_vehicle_in_reverse_goes_tail_first(book: SlopeBook, profile: RoadProfile) -> None:
-    lat_deg, lon_deg, heading_deg = profile.road.line.point_at(500.0)
-    pose = Pose(
-        t_ns=START_NS,
-        mode="fused",
-        lat_deg=lat_deg,
-        lon_deg=lon_deg,
-        heading_deg=heading_deg,
-        speed_mps=-1.0,
-    )
-    book.put("car", pose, "fusion")
-    horizon = Horizon(t_ns=START_NS, road_id=profile.road.road_id, position_m=500.0)
-    book.put("car", horizon, "slope-map")
-    assert asked(book, "/v1/vehicles/car/lookahead")["direction"] == "backward"
-
-
-def test_a_vehicle_on_no_road_has_null_and_its_age(profile: RoadProfile) -> None:
-    now_ns = [NOW_NS]
-    book = SlopeBook([profile], lambda: now_ns[0])
-    book.put("car", Pose(t_ns=START_NS, mode="starting"), "fusion")
-    now_ns[0] += 1500 * SECOND_NS // 1000
-    for message in (Horizon(t_ns=START_NS), Gyro(t_ns=START_NS, yaw_rate_degps=1.0)):
-        unknown: Message = message
-        book.put("car", unknown, "x")
-        answer = asked(book, "/v1/vehicles/car/lookahead", length_m=20)
-        assert (answer["road_id"], answer["age_s"]) == (None, 1.5)
-        assert [at["grade_pct"] for at in answer["points"]] == [None, None]
-    assert book.vehicle_ids() == ["car"]
-
-
-def test_a_loop_goes_on_after_its_end() -> None:
-    laps = drive(seed=6, length_m=1800.0, path=ring(1200.0), grade_of=lambda d: d)
-    profile = profile_of(runs_of(core(), laps)[0])
-    book = SlopeBook([profile], lambda: NOW_NS)
-    length_m = profile.road.line.length_m
-    lat_deg, lon_deg, heading_deg = profile.road.line.point_at(length_m - 30.0)
-    pose = Pose(
-        t_ns=START_NS,
-        mode="fused",
-        lat_deg=lat_deg,
-        lon_deg=lon_deg,
-        heading_deg=heading_deg,
-        distance_m=10.0,
-    )
-    book.put("car", pose, "fusion")
-    horizon = Horizon(t_ns=START_NS, road_id=profile.road.road_id, position_m=length_m - 30.0)
-    book.put("car", horizon, "slope-map")
-    book.put("car", msgspec.structs.replace(pose, distance_m=60.0), "fusion")
-    answer = asked(book, "/v1/vehicles/car/lookahead")
-    assert answer["position_m"] == pytest.approx(20.0, abs=1e-6)
-
-
 def test_what_is_learned_is_answered_from_then_on(profile: RoadProfile) -> None:
     book = SlopeBook(clock_ns=lambda: NOW_NS)
     assert asked(book, "/v1/roads") == {"roads": []}
@@ -380,40 +153,6 @@ def test_what_is_learned_is_answered_from_then_on(profile: RoadProfile) -> None:
     lat_deg, lon_deg, heading_deg = profile.road.line.point_at(1500.0)
     place = {"lat_deg": lat_deg, "lon_deg": lon_deg, "heading_deg": heading_deg}
     assert asked(book, "/v1/lookahead", **place)["road_id"] == "route/1"
-
-
-@pytest.mark.parametrize(
-    ("parameters", "name"),
-    [
-        ({"step_m": "0.99"}, "step_m"),
-        ({"step_m": "1000.1"}, "step_m"),
-        ({"length_m": "0"}, "length_m"),
-        ({"length_m": "20000.5"}, "length_m"),
-        ({"length_m": "nan"}, "length_m"),
-        ({"length_m": ""}, "length_m"),
-        ({"heading_deg": "360"}, "heading_deg"),
-        ({"lat_deg": "90.1"}, "lat_deg"),
-        ({"lon_deg": "x"}, "lon_deg"),
-        ({"lat_deg": None}, "lat_deg"),
-    ],
-)
-def test_an_unfit_parameter_is_named(
-    book: SlopeBook, parameters: dict[str, str | None], name: str
-) -> None:
-    fit = {"lat_deg": "55.9", "lon_deg": "9.8", "heading_deg": "90"}
-    wrong = {key: value for key, value in {**fit, **parameters}.items() if value is not None}
-    answer = client(book).get("/v1/lookahead", params=wrong)
-    assert answer.headers["content-type"] == "application/problem+json"
-    problem = answer.json()
-    assert (answer.status_code, problem["status"]) == (422, 422)
-    assert [one["name"] for one in problem["invalid"]] == [name]
-    assert problem["detail"] == f"{name}: {problem['invalid'][0]['reason']}"
-
-
-def test_the_limits_themselves_are_fit(book: SlopeBook) -> None:
-    place = {"lat_deg": -90, "lon_deg": 180, "heading_deg": 0}
-    assert len(asked(book, "/v1/lookahead", **place, length_m=20000, step_m=1)["points"]) == 20001
-    assert len(asked(book, "/v1/lookahead", **place, length_m=20000, step_m=1000)["points"]) == 21
 
 
 @pytest.mark.parametrize(
