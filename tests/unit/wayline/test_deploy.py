@@ -12,7 +12,7 @@ from wayline.settings import Settings, load_settings
 from wayline.tuning import Tuning
 
 DEPLOY = Path(__file__).parents[3] / "deploy"
-EXAMPLES = {"vehicle": {"gear_ratios", "engine_reference_torque_nm"}}
+EXAMPLES = {"vehicle": {"gear_ratios", "engine_reference_torque_nm"}, "rerun": {"record"}}
 """Options that are shown with a value though they have none by default."""
 
 
