@@ -8,6 +8,7 @@ from fastapi import FastAPI, Request, Response
 from prometheus_client import CollectorRegistry
 from prometheus_client.exposition import choose_encoder
 from starlette.datastructures import MutableHeaders
+from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from wayline.http_docs import add_docs
@@ -150,7 +151,7 @@ def _add_health(app: FastAPI, healthz: Callable[[], Healthz]) -> None:
 
 
 def _add_metrics(app: FastAPI, registry: CollectorRegistry) -> None:
-    @app.get("/metrics", tags=["service"])
+    @app.get("/metrics", tags=["service"], response_class=PlainTextResponse)
     def metrics(request: Request) -> Response:
         """Counters and gauges for Prometheus."""
         encode, content_type = choose_encoder(request.headers.get("accept", ""))

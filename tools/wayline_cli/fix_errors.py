@@ -1,7 +1,8 @@
 """How far a replay's poses lie from recorded fixes, for a drive without a better truth.
 
 `python -m wayline_cli.fix_errors OUT [--reference OUT] [--outage START_S:LENGTH_S] [--plot PNG]`:
-the fixes are those of the reference, a replay of the same drive without an outage.
+the fixes are those of the reference, a replay of the same drive without an outage; `--outage` may
+be repeated.
 """
 
 import argparse
@@ -87,7 +88,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("--reference", type=Path)
-    parser.add_argument("--outage", metavar="START_S:LENGTH_S")
+    parser.add_argument("--outage", metavar="START_S:LENGTH_S", action="append", default=[])
     parser.add_argument("--plot", type=Path)
     options = parser.parse_args()
     errors = fix_errors(options.out, options.reference or options.out)
@@ -95,9 +96,11 @@ def main() -> None:
     within = np.mean(errors.apart_m <= 15.0)
     print(f"{len(errors.seconds)} fixes: p50 {p50:.2f} m, p95 {p95:.2f} m, max {p100:.1f} m")
     print(f"within 15 m: {100.0 * within:.1f} %")
-    if options.outage:
-        start_s, length_s = map(float, options.outage.split(":"))
-        print(f"at the end of the outage: {errors.at_end_of(start_s, length_s):.1f} m")
+    ends_m = [errors.at_end_of(*map(float, outage.split(":"))) for outage in options.outage]
+    if ends_m:
+        p50, p90, p100 = np.percentile(ends_m, [50, 90, 100])
+        print(f"at the end of {len(ends_m)} outages: {', '.join(f'{m:.1f}' for m in ends_m)} m")
+        print(f"p50 {p50:.1f} m, p90 {p90:.1f} m, max {p100:.1f} m")
     if options.plot:
         plot(options.out, errors, options.plot)
 
