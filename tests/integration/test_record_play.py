@@ -1,6 +1,5 @@
 """Recording and playing on a real bus: what was published comes back under its own keys."""
 
-import json
 import queue
 import signal
 import socket
@@ -22,9 +21,9 @@ from wayline.inbox import Inbox, Sample
 from wayline.keys import message_key
 from wayline.mcap_log import McapWriter, is_finished, read_messages, read_records
 from wayline.messages import TOPICS, Message, Pose
-from wayline.router import is_local, open_router, router_config
+from wayline.router import open_router
 from wayline.settings import BusSettings
-from wayline.stop import Stop, stop_on_signals, unless_stopped
+from wayline.stop import Stop
 from wayline_cli.play import Played, play, play_records
 from wayline_cli.record import Recorded, record, record_bus
 
@@ -318,55 +317,3 @@ def test_the_router_process_routes_until_sigterm(tmp_path: Path) -> None:
 def test_a_second_router_at_the_same_place_is_named(bus: BusSettings) -> None:
     with pytest.raises(InputError, match=r"cannot listen .* stop what listens there already"):
         open_router(bus)
-
-
-@pytest.mark.parametrize(
-    ("endpoint", "local"),
-    [
-        ("tcp/127.0.0.1:7447", True),
-        ("tcp/[::1]:7447", True),
-        ("tls/localhost:7447", True),
-        ("tcp/0.0.0.0:7447", False),
-        ("tcp/[::]:7447", False),
-        ("tcp/192.168.1.2:7447", False),
-        ("tcp/127.0.0.1.example.org:7447", False),
-        ("tcp/10.0.0.1:7447#tcp/127.0.0.1:7447", False),
-        ("nonsense", False),
-    ],
-)
-def test_the_built_in_router_listens_on_loopback_only(endpoint: str, local: bool) -> None:
-    assert is_local(endpoint) is local
-    settings = BusSettings(connect=(endpoint,))
-    if local:
-        config = router_config(settings)
-        assert json.loads(config.get_json("listen/endpoints")) == [endpoint]
-        assert json.loads(config.get_json("connect/endpoints")) == []
-    else:
-        with pytest.raises(InputError, match="is not on this machine alone"):
-            router_config(settings)
-
-
-def test_a_stop_is_requested_by_a_signal_and_handlers_come_back() -> None:
-    before = signal.getsignal(signal.SIGTERM)
-    with stop_on_signals() as stop:
-        assert not stop.wait(0.0)
-        signal.raise_signal(signal.SIGTERM)
-        assert stop.wait(WAIT_S)
-        assert stop.wait()
-    assert signal.getsignal(signal.SIGTERM) is before
-
-
-def test_a_call_is_left_when_stopped() -> None:
-    stop, forever = Stop(), threading.Event()
-    found = unless_stopped(forever.wait, stop, patience_s=0.0, waiting=stop.request)
-    forever.set()
-    assert found is None
-
-
-def test_a_call_that_fails_says_why_and_one_that_works_says_what() -> None:
-    def fail() -> None:
-        raise InputError("bus", "is closed", "open it")
-
-    with pytest.raises(InputError, match="bus: is closed"):
-        unless_stopped(fail, Stop(), patience_s=WAIT_S, waiting=lambda: None)
-    assert unless_stopped(lambda: 7, Stop(), patience_s=WAIT_S, waiting=lambda: None) == 7
