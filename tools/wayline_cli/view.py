@@ -2,6 +2,7 @@
 
 import heapq
 import os
+import signal
 import subprocess
 import sys
 import sysconfig
@@ -160,16 +161,27 @@ def _check_display() -> None:
         raise InputError("wayline view", "there is no display to open the viewer on", mend)
 
 
+def viewer_program() -> Path:
+    """The viewer that comes with Rerun's SDK."""
+    return Path(sysconfig.get_path("scripts")) / "rerun"
+
+
 def open_viewer(path: Path) -> None:
     """Open a recording in Rerun's viewer and wait until it is closed. Raises InputError."""
-    program = Path(sysconfig.get_path("scripts")) / "rerun"
+    program = viewer_program()
     # the viewer listens for recorders too: unless told, on every interface
     command = [str(program), "--bind", "127.0.0.1", "--port", "auto", str(path)]
     try:
-        status = subprocess.run(command, check=False).returncode  # noqa: S603 - our own program
+        viewer = subprocess.Popen(command, start_new_session=True)  # noqa: S603 - our own program
     except OSError as error:
         mend = 'install it with: pip install "wayline[rerun]"'
         raise InputError(str(program), error.strerror or str(error), mend) from None
+    try:
+        status = viewer.wait()
+    except KeyboardInterrupt:
+        # the program is a small script around the viewer: both must end
+        os.killpg(viewer.pid, signal.SIGTERM)
+        raise
     if status != 0:
         mend = "add --save FILE.rrd and open the file elsewhere"
         raise InputError("the Rerun viewer", f"it ended with status {status}", mend)
