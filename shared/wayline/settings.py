@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from wayline.drive import CanMapping, Vehicle, VehicleId
+from wayline.drive import VEHICLE_ID_PATTERN, CanMapping, Vehicle, VehicleId
 from wayline.errors import InputError
 from wayline.http_settings import PORTS, HttpSettings
 from wayline.toml import Strict, load_toml
@@ -17,6 +17,7 @@ from wayline.tuning import Tuning
 ServiceName = Literal["gps-ingest", "can-ingest", "fusion", "eta", "slope-map", "dashboard"]
 Port = Annotated[int, Meta(ge=0, le=65535)]
 EVERY_VEHICLE = "*"
+Served = Annotated[str, Meta(pattern=rf"^(\*|{VEHICLE_ID_PATTERN.strip('^$')})$")]
 
 
 class BusSettings(Strict, frozen=True, kw_only=True):
@@ -69,7 +70,7 @@ class Settings(Strict, frozen=True, kw_only=True):
 
     vehicle_id: VehicleId | None = None
     """The vehicle that this machine rides on."""
-    vehicles: tuple[Literal["*"] | VehicleId, ...] = ()
+    vehicles: tuple[Served, ...] = ()
     """On a server: the vehicles served; `["*"]` is every vehicle heard."""
     services: tuple[ServiceName, ...] = ()
     """What `wayline up` runs."""
