@@ -67,9 +67,8 @@ def ingest(
 
 def core_of(database: Database, source: CanSource, vehicle: Vehicle | None = None) -> CanIngestCore:
     vehicle = vehicle or Vehicle()
-    return CanIngestCore(
-        source, compile_mapping(source, [database], vehicle, "drive.toml"), vehicle
-    )
+    mapping = compile_mapping(source, [database], vehicle, "drive.toml")
+    return CanIngestCore(source, mapping, vehicle, channel=source.channel)
 
 
 def feed(core: CanIngestCore, *inputs: Any) -> list[Message]:
