@@ -3,7 +3,6 @@
 import heapq
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 
 import msgspec
@@ -54,12 +53,15 @@ class Playback:
         self._played = 0
         self._bad_input = 0
         self._playing: Sequence[Recording] = ()
+        self._is_over = False
 
     @property
     def detail(self) -> str | None:
         """How far it has come."""
-        if not self._playing:
+        if self._is_over:
             return f"played to its end, {self._played} messages"
+        if not self._played:
+            return "about to play"
         return f"playing, loop {self._loops + 1}" if self._options.loop else "playing"
 
     @property
@@ -69,7 +71,15 @@ class Playback:
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
         """Put each message when it is due; returns at the end, or never with `loop`."""
-        clock = self._agree(self._own_clock())
+        own = self._own_clock(stop)
+        # without a message of its own it has no clock to bring, and nothing to wait for
+        if own is not None:
+            self._play(self._agree(own), put, stop)
+        self._is_over = True
+
+    def _play(
+        self, clock: PlayClock, put: Callable[[msgspec.Struct], None], stop: threading.Event
+    ) -> None:
         shift_ns = clock.start_ns - clock.origin_ns if self._options.now else 0
         while not stop.is_set():
             offset_ns = self._loops * clock.period_ns
@@ -80,7 +90,6 @@ class Playback:
                 put(shifted(arrival, shift_ns + offset_ns))
                 self._played += 1
             if not self._options.loop:
-                self._bad_input, self._playing = self.bad_input, ()
                 return
             self._loops += 1
 
@@ -92,19 +101,19 @@ class Playback:
             key=lambda arrival: arrival[:2],
         )
 
-    def _own_clock(self) -> PlayClock:
-        """Where the own recordings begin, and, to loop, how long they last."""
+    def _own_clock(self, stop: threading.Event) -> PlayClock | None:
+        """Where the own recordings begin, and, to loop, how long they last; None if empty."""
         arrivals = self._arrivals()
-        first = next(arrivals, None)
-        rest = deque(arrivals, maxlen=1) if self._options.loop else ()
-        last = rest[-1] if rest else first
+        first = last = next(arrivals, None)
+        while self._options.loop and not stop.is_set() and (later := next(arrivals, None)):
+            last = later
         self._bad_input, self._playing = 0, ()
-        first_ns = first.arrival_ns if first else 0
-        last_ns = last.arrival_ns if last else 0
+        if first is None or last is None:
+            return None
         return PlayClock(
-            origin_ns=first_ns,
+            origin_ns=first.arrival_ns,
             start_ns=time.time_ns() + round(LEAD_S * 1e9),
-            period_ns=last_ns - first_ns + PAUSE_NS,
+            period_ns=last.arrival_ns - first.arrival_ns + PAUSE_NS,
         )
 
     def _wait_until_due(self, clock: PlayClock, arrival_ns: int, stop: threading.Event) -> None:

@@ -10,6 +10,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -19,7 +20,6 @@ import zenoh
 from wayline import __version__
 from wayline.bus import Publishers, Subscription, open_session
 from wayline.codec import decode, encode
-from wayline.errors import InputError
 from wayline.http import Healthz
 from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
@@ -125,16 +125,22 @@ class Loop:
         self._stop = stop
         self._ended = threading.Event()
         """Tells the feeds' threads to end; set too when one of them cannot go on."""
+        self._feeds: list[Future[None]] = []
         self._inbox = Inbox()
         self._seats: dict[tuple[str, str], Seat] = {}
         self._telemetry = Telemetry(service.name, time.time_ns())
         self._publishers = Publishers(session)
-        self._turned_s = time.monotonic()
+        self._turned_s = self._as_of_s = time.monotonic()
+        self._ahead = 0
+        """How many items are still to be taken of those that waited at `_as_of_s`."""
         self._health: Health | None = None
         self._last_drop_count = 0
 
     def run(self) -> None:
-        """Serve until told to stop, then finish what is open."""
+        """Serve until told to stop, then finish what is open.
+
+        Raises what a core raised, and what ended a feed: InputError where it cannot be had.
+        """
         with contextlib.ExitStack() as stack:
             self._open(stack)
             next_health_s = time.monotonic()
@@ -143,13 +149,15 @@ class Loop:
                 now_s = self._turned_s = time.monotonic()
                 if item is not None:
                     self._take(item, now_s)
-                else:
-                    self._idle(now_s)
+                    self._ahead -= 1
+                self._let_time_pass(now_s)
                 if now_s >= next_health_s:
                     next_health_s = now_s + HEALTH_S
                     self._publish_health()
             self._ended.set()
             self._finish()
+        for feed in self._feeds:
+            feed.result()
 
     def _open(self, stack: contextlib.ExitStack) -> None:
         service, settings = self._service, self._settings
@@ -175,11 +183,12 @@ class Loop:
                 alive_key("*", "*"), self._on_alive, history=True
             )
             stack.callback(alive.undeclare)
-        for feed in service.feeds:
-            thread = threading.Thread(target=self._feed, args=(feed,), name=feed.name)
-            thread.start()
-            stack.callback(thread.join)
+        if service.feeds:
+            threads = stack.enter_context(ThreadPoolExecutor(len(service.feeds), "feed"))
             stack.callback(self._ended.set)
+            self._feeds = [threads.submit(self._feed, feed) for feed in service.feeds]
+            for running in self._feeds:
+                running.add_done_callback(self._end_if_failed)
         token = self._session.liveliness().declare_token(alive_key(self._home(), service.name))
         stack.callback(token.undeclare)
 
@@ -204,10 +213,10 @@ class Loop:
             while not self._inbox.put_waiting(item, POLL_S) and not self._ended.is_set():
                 pass
 
-        try:
-            feed.run(put, self._ended)
-        except InputError as error:
-            log.error("%s", error)
+        feed.run(put, self._ended)
+
+    def _end_if_failed(self, feed: Future[None]) -> None:
+        if feed.exception() is not None:
             self._ended.set()
 
     def _take(self, item: Item, now_s: float) -> None:
@@ -254,6 +263,17 @@ class Loop:
             seat = Seat(vehicle_id, self._service.make_node(vehicle_id, source))
             self._seats[vehicle_id, source] = seat
         return seat
+
+    def _let_time_pass(self, now_s: float) -> None:
+        """Now and then look for silence, as of an instant whose items have all been taken.
+
+        So a busy inbox does not hide that one vehicle is silent, and a message that waits in it
+        is not overtaken by the time that it was to tell.
+        """
+        if self._ahead > 0 or now_s - self._as_of_s < POLL_S:
+            return
+        self._idle(self._as_of_s)
+        self._as_of_s, self._ahead = now_s, self._inbox.backlog
 
     def _idle(self, now_s: float) -> None:
         """Let time pass where nothing has come for a while."""

@@ -76,11 +76,13 @@ def playback(
 ) -> Playback:
     """The feed that plays the recordings of `--drive`, in step with the other players."""
     vehicle_id = settings.own_vehicle()
+    # Zenoh ends what nobody holds; later players ask as long as this one plays
+    held: list[object] = []
 
     def agreed(own: PlayClock) -> PlayClock:
-        # the session stays open as long as the process, to tell later players
         session = open_session(settings.bus)
-        clock, _ = agree(session, vehicle_id, own)
+        clock, queryable = agree(session, vehicle_id, own)
+        held.extend((session, queryable))
         return clock
 
     play = PlayOptions(speed=options.speed, loop=options.loop, now=options.now)
