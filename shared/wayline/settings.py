@@ -141,6 +141,8 @@ def overridden(settings: Settings, environment: Mapping[str, str]) -> Settings:
     bus, http = settings.bus, settings.http
     if connect := environment.get("WAYLINE_ZENOH_CONNECT"):
         bus = msgspec.structs.replace(bus, connect=tuple(connect.split(",")))
+    if user := environment.get("WAYLINE_ZENOH_USER"):
+        bus = msgspec.structs.replace(bus, user=user)
     if password := environment.get("WAYLINE_ZENOH_PASSWORD"):
         bus = msgspec.structs.replace(bus, password=password)
     if token := environment.get("WAYLINE_HTTP_TOKEN"):

@@ -43,7 +43,8 @@ def read_topic(out: Path, topic: str) -> list[Row]:
 def start_of(out: Path) -> int:
     """Smallest t_ns of a drive's input, which outages are counted from."""
     ingested = ("gps_fix", "odometer", "gyro", "torque", "barometer")
-    return min(row["t_ns"] for topic in ingested for row in read_topic(out, topic)[:1000])
+    heads = [read_topic(out, topic)[:1000] for topic in ingested]
+    return min(int(row["t_ns"]) for head in heads for row in head)
 
 
 def fix_errors(out: Path, reference: Path) -> FixErrors:

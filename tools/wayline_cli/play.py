@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from wayline.bus import HEARTBEAT_S, Publishers
+from wayline.bus import RECOVERY_PERIOD, Publishers
 from wayline.errors import InputError
 from wayline.keys import parse_key
 from wayline.mcap_log import is_finished, read_records
@@ -52,7 +52,7 @@ def play(
             publishers = Publishers(session)
             count, seconds = play_records(read_records(path), publishers.put, stop, speed=speed)
             # readers that lost the last samples ask for them at the next heartbeats
-            stop.wait(2.0 * HEARTBEAT_S)
+            stop.wait(2.0 * RECOVERY_PERIOD.total_seconds())
             publishers.close()
             return Played(count, seconds, complete)
 

@@ -3,6 +3,7 @@
 import logging
 from pathlib import Path
 
+from wayline.route import Route
 from wayline.service import Watch
 from wayline.settings import Settings
 from wayline.shell import load_routes
@@ -21,8 +22,14 @@ def live_view(settings: Settings) -> Watch | None:
     recording = RerunRecording(
         save=Path(rerun.record) if rerun.record else None,
         port=rerun.port,
-        routes={route.route_id: route for route in load_routes(settings)},
+        routes=_route_by_vehicle(settings),
         memory_limit=rerun.memory_limit,
     )
     log.info("watch fusion with: rerun %s", recording.address)
     return recording.log
+
+
+def _route_by_vehicle(settings: Settings) -> dict[str, Route]:
+    """The one configured route, for each vehicle named; of several it is not known whose."""
+    routes = load_routes(settings)
+    return dict.fromkeys(settings.served(), routes[0]) if len(routes) == 1 else {}
