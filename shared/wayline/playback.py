@@ -75,7 +75,7 @@ class Playback:
         # without a message of its own it has no clock to bring, and nothing to wait for
         if own is not None:
             self._play(self._agree(own), put, stop)
-        self._is_over = True
+        self._is_over = not stop.is_set()
 
     def _play(
         self, clock: PlayClock, put: Callable[[msgspec.Struct], None], stop: threading.Event

@@ -1,0 +1,376 @@
+"""The one loop: what it hears, counts, publishes, and how it ends.
+
+The session is a real one that reaches nobody but itself.
+"""
+
+import json
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import ClassVar
+
+import msgspec
+import pytest
+import zenoh
+
+from builders import at, fix, gyro
+from wayline.bus import Publishers, Subscription
+from wayline.codec import encode
+from wayline.core import Record
+from wayline.errors import InputError
+from wayline.inputs import Flush, Sentence, Tick
+from wayline.keys import FLEET, alive_key, message_key
+from wayline.messages import GpsFix, Gyro, Health, Message, Odometer
+from wayline.node import Node
+from wayline.playback import Played
+from wayline.service import Feed, Loop, Service
+from wayline.settings import Settings
+from wayline.stop import Stop
+from wayline_cli.listener import Listener
+
+WAIT_S = 10.0
+TENTH_NS = 100_000_000
+ONE = Settings(vehicle_id="bus-7")
+ALL = Settings(vehicles=("*",))
+
+
+class Echo:
+    """An odometer for each fix (1 m/s), tick (2 m/s), sentence (3 m/s) and at the end (4 m/s)."""
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({GpsFix})
+    period_ns: ClassVar[int | None] = TENTH_NS
+
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+        del source
+        match message:
+            case GpsFix():
+                return [Odometer(t_ns=message.t_ns, speed_mps=1.0)]
+            case Tick():
+                return [Odometer(t_ns=message.t_ns, speed_mps=2.0)]
+            case Sentence():
+                return [Odometer(t_ns=at(0), speed_mps=3.0)]
+            case Flush():
+                return [Odometer(t_ns=message.t_ns, speed_mps=4.0)]
+        return []
+
+
+class Bug:
+    """A core that fails."""
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({GpsFix})
+    period_ns: ClassVar[int | None] = None
+
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+        raise ZeroDivisionError(f"a bug in the core ({message}, {source})")
+
+
+class Given:
+    """A feed that does what the test says."""
+
+    name = "echo-2"
+    detail = "given"
+
+    def __init__(self, run: Callable[[Callable[[msgspec.Struct], None]], None]) -> None:
+        self._run = run
+
+    def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
+        self._run(put)
+
+
+def echo(*feeds: Feed) -> Service:
+    return Service(
+        "echo", lambda _, source: Node(source or "echo", Echo()), Echo.reads, feeds=feeds
+    )
+
+
+@pytest.fixture
+def session() -> Iterator[zenoh.Session]:
+    config = zenoh.Config()
+    config.insert_json5("listen/endpoints", json.dumps([]))
+    config.insert_json5("scouting/multicast/enabled", "false")
+    config.insert_json5("timestamping/enabled", "true")
+    with zenoh.open(config) as opened:
+        yield opened
+
+
+class Running:
+    """A loop in a thread, the bus around it."""
+
+    def __init__(self, session: zenoh.Session, service: Service, settings: Settings) -> None:
+        self._threads = ThreadPoolExecutor(1)
+        self._stop = Stop()
+        self._publishers = Publishers(session)
+        home = settings.vehicle_id or FLEET
+        self.listener = Listener(session, "*", ["odometer", "gyro", "health"])
+        self._ended: Future[None] = self._threads.submit(
+            Loop(service, settings, session, self._stop).run
+        )
+        self.home = home
+
+    def await_start(self) -> None:
+        self.listener.await_message("health", timeout_s=WAIT_S)
+
+    def put(self, message: Message, vehicle_id: str = "bus-7") -> None:
+        self.put_payload(encode(message), message.topic, vehicle_id)
+
+    def put_payload(self, payload: bytes, topic: str, vehicle_id: str = "bus-7") -> None:
+        self._publishers.put(vehicle_id, topic, "test", payload)
+
+    def await_odometer(self, t_ns: int, speed_mps: float) -> None:
+        wanted = Odometer(t_ns=t_ns, speed_mps=speed_mps)
+        self.listener.await_message("odometer", lambda h: h.message == wanted, timeout_s=WAIT_S)
+
+    def await_health(self, matches: Callable[[Health], bool]) -> Health:
+        heard = self.listener.await_message(
+            "health",
+            lambda h: isinstance(h.message, Health) and matches(h.message),
+            timeout_s=WAIT_S,
+        )
+        assert isinstance(heard.message, Health)
+        return heard.message
+
+    def end(self) -> None:
+        """Stop the loop; raises what it raised."""
+        self._stop.request()
+        self._ended.result(WAIT_S)
+
+    def result(self) -> None:
+        """Wait for a loop that ends by itself; raises what it raised."""
+        self._ended.result(WAIT_S)
+
+    def close(self) -> None:
+        self._stop.request()
+        self._threads.shutdown()
+        self._publishers.close()
+        self.listener.close()
+
+
+Run = Callable[..., Running]
+
+
+@pytest.fixture
+def run(session: zenoh.Session) -> Iterator[Run]:
+    started: list[Running] = []
+
+    def start(service: Service, settings: Settings = ONE) -> Running:
+        started.append(Running(session, service, settings))
+        return started[-1]
+
+    yield start
+    for running in started:
+        running.close()
+
+
+def speeds(running: Running) -> list[tuple[int, float | None]]:
+    found = [heard.message for heard in running.listener.heard("odometer")]
+    return [(m.t_ns, m.speed_mps) for m in found if isinstance(m, Odometer)]
+
+
+def test_what_is_heard_goes_through_the_core_onto_the_bus_with_its_ticks(run: Run) -> None:
+    running = run(echo())
+    running.await_start()
+    running.put(fix(0.05, 55.0, 10.0))
+    running.put(fix(0.2, 55.0, 10.0))
+    running.await_odometer(at(0.2), 2.0)
+    assert speeds(running) == [(at(0.05), 1.0), (at(0.1), 2.0), (at(0.2), 1.0), (at(0.2), 2.0)]
+    assert {heard.source for heard in running.listener.heard("odometer")} == {"echo"}
+
+
+def test_in_silence_time_goes_on_by_the_clock_on_the_same_grid(run: Run) -> None:
+    running = run(echo())
+    running.await_start()
+    heard_s = time.monotonic()
+    running.put(fix(0.05, 55.0, 10.0))
+    first = running.listener.await_message(
+        "odometer", lambda h: h.message == Odometer(t_ns=at(0.1), speed_mps=2.0), timeout_s=WAIT_S
+    )
+    assert 0.9 < first.received_s - heard_s < 1.5
+    running.await_odometer(at(1.5), 2.0)
+    assert speeds(running)[1:16] == [(at(tenth / 10), 2.0) for tenth in range(1, 16)]
+    # ticks do not run ahead of the clock
+    assert time.monotonic() - heard_s > 1.4
+
+
+def test_a_silent_vehicle_is_noticed_though_another_one_talks_without_a_pause(run: Run) -> None:
+    running = run(echo(), ALL)
+    running.await_start()
+    running.put(fix(0.05, 55.0, 10.0), "bus-8")
+    deadline_s, number = time.monotonic() + 5.0, 0
+    wanted = Odometer(t_ns=at(0.1), speed_mps=2.0)
+    while time.monotonic() < deadline_s:
+        number += 1
+        # older than the one before, so that this vehicle has no ticks of its own
+        running.put(fix(-number, 55.0, 10.0), "bus-7")
+        if any(heard.message == wanted for heard in running.listener.heard("odometer")):
+            return
+        running.await_odometer(at(-number), 1.0)
+    raise AssertionError("the silent vehicle had no tick in 5 s")
+
+
+def test_time_does_not_overtake_messages_that_wait(run: Run) -> None:
+    blocked, go = threading.Event(), threading.Event()
+
+    class Slow(Echo):
+        def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+            if isinstance(message, GpsFix) and message.t_ns == at(10):
+                blocked.set()
+                assert go.wait(WAIT_S)
+            return super().handle(message, source)
+
+    running = run(Service("echo", lambda *_: Node("echo", Slow()), Echo.reads), ALL)
+    running.await_start()
+    running.put(fix(0.05, 55.0, 10.0), "bus-8")
+    running.await_odometer(at(0.05), 1.0)
+    running.put(fix(10, 55.0, 10.0), "bus-7")
+    assert blocked.wait(WAIT_S)
+    # these two wait behind a core that takes longer than the silence that lets time pass
+    running.put(fix(10.05, 55.0, 10.0), "bus-7")
+    running.put(fix(0.15, 55.0, 10.0), "bus-8")
+    assert not go.wait(1.2)
+    go.set()
+    running.await_odometer(at(0.15), 1.0)
+    of_bus_8 = [each for each in speeds(running) if each[0] < at(5)]
+    assert of_bus_8[:3] == [(at(0.05), 1.0), (at(0.1), 2.0), (at(0.15), 1.0)]
+
+
+@pytest.mark.parametrize("payload", [b"{", b"\xff", b"[]", b'{"t_ns":1,"valid":7}'])
+def test_a_payload_that_cannot_be_read_is_counted_and_dropped(run: Run, payload: bytes) -> None:
+    running = run(echo())
+    running.await_start()
+    running.put_payload(payload, "gps_fix")
+    assert running.await_health(lambda health: health.bad_input > 0).bad_input == 1
+    running.put(fix(0.05, 55.0, 10.0))
+    running.await_odometer(at(0.05), 1.0)
+
+
+def test_an_old_message_and_one_that_comes_twice_bring_no_ticks(run: Run) -> None:
+    running = run(echo())
+    running.await_start()
+    for seconds in (0.05, 0.15, 0.15, 0.05, 0.25):
+        running.put(fix(seconds, 55.0, 10.0))
+    running.await_odometer(at(0.25), 1.0)
+    assert [t_ns for t_ns, speed in speeds(running) if speed == 2.0] == [at(0.1), at(0.2)]
+
+
+def test_what_a_full_inbox_drops_is_counted_in_health(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("wayline.inbox.Inbox.__init__.__defaults__", (5,))
+    blocked, go = threading.Event(), threading.Event()
+
+    class Slow(Echo):
+        def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+            blocked.set()
+            assert go.wait(WAIT_S)
+            return ()
+
+    running = run(Service("echo", lambda *_: Node("echo", Slow()), Echo.reads))
+    running.await_start()
+    running.put(fix(0, 55.0, 10.0))
+    assert blocked.wait(WAIT_S)
+    for number in range(12):
+        running.put(fix(number, 55.0, 10.0))
+    go.set()
+    assert running.await_health(lambda health: health.dropped > 0).dropped == 7
+
+
+def test_a_feed_reaches_its_own_core_and_a_recording_the_bus(run: Run) -> None:
+    def feed(put: Callable[[msgspec.Struct], None]) -> None:
+        put(Sentence(None, "$GPGGA"))
+        put(Played("can-ingest", gyro(5, 1.5)))
+
+    running = run(echo(Given(feed)))
+    running.await_odometer(at(0), 3.0)
+    heard = running.listener.await_message("gyro", timeout_s=WAIT_S)
+    assert (heard.source, heard.message) == ("can-ingest", gyro(5, 1.5))
+    assert {each.source for each in running.listener.heard("odometer")} == {"echo-2"}
+    # a feed that is done leaves the service at work
+    assert running.await_health(lambda health: health.in_rate_hz == 0.0).detail == "given"
+
+
+def test_a_feed_that_cannot_go_on_ends_the_service_with_its_reason(run: Run) -> None:
+    def feed(put: Callable[[msgspec.Struct], None]) -> None:
+        raise InputError("can0", "no such interface", "ip link set can0 up")
+
+    with pytest.raises(InputError, match="can0: no such interface"):
+        run(echo(Given(feed))).result()
+
+
+def test_a_bug_in_a_feed_ends_the_service_loudly(run: Run) -> None:
+    def feed(put: Callable[[msgspec.Struct], None]) -> None:
+        raise ZeroDivisionError("a bug in the feed")
+
+    with pytest.raises(ZeroDivisionError, match="in the feed"):
+        run(echo(Given(feed))).result()
+
+
+def test_a_bug_in_a_core_ends_the_service_loudly(run: Run) -> None:
+    running = run(Service("echo", lambda *_: Node("echo", Bug()), Bug.reads))
+    running.await_start()
+    running.put(fix(0, 55.0, 10.0))
+    with pytest.raises(ZeroDivisionError, match="in the core"):
+        running.result()
+
+
+def test_the_end_finishes_what_is_open_and_takes_the_token_away(run: Run) -> None:
+    running = run(echo())
+    running.await_start()
+    running.listener.await_alive("echo", timeout_s=WAIT_S)
+    running.put(fix(0.05, 55.0, 10.0))
+    running.await_odometer(at(0.05), 1.0)
+    running.end()
+    running.await_odometer(at(0.05), 4.0)
+    running.listener.await_alive("echo", up=False, timeout_s=WAIT_S)
+
+
+def test_watchers_hear_everything_and_who_comes_and_goes(run: Run, session: zenoh.Session) -> None:
+    told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
+    alive: queue.SimpleQueue[tuple[str, str, bool]] = queue.SimpleQueue()
+    service = echo()
+    service.watch = lambda vehicle_id, message, source: told.put(
+        (vehicle_id, message.topic, source)
+    )
+    service.watch_alive = lambda *event: alive.put(event)
+    running = run(service, ALL)
+    assert alive.get(timeout=WAIT_S) == (FLEET, "echo", True)
+    token = session.liveliness().declare_token(alive_key("bus-9", "gps-ingest"))
+    assert alive.get(timeout=WAIT_S) == ("bus-9", "gps-ingest", True)
+    token.undeclare()  # type: ignore[no-untyped-call]
+    assert alive.get(timeout=WAIT_S) == ("bus-9", "gps-ingest", False)
+    running.put(fix(0.05, 55.0, 10.0), "bus-9")
+    found = {told.get(timeout=WAIT_S) for _ in range(3)}
+    assert found >= {("bus-9", "gps_fix", "test"), ("bus-9", "odometer", "echo")}
+    assert (FLEET, "health", "echo") in found
+
+
+def test_a_fleet_service_has_a_core_a_vehicle_and_ignores_fleet_messages(
+    run: Run, session: zenoh.Session
+) -> None:
+    keys: queue.SimpleQueue[str] = queue.SimpleQueue()
+    made: list[str] = []
+
+    def make_node(vehicle_id: str, source: str) -> Node:
+        made.append(vehicle_id)
+        return Node("echo", Echo())
+
+    running = run(Service("echo", make_node, frozenset({GpsFix, Gyro})), ALL)
+    running.await_start()
+    heard = Subscription(session, ["*"], ["odometer"], lambda key, _: keys.put(key))
+    for vehicle_id in (FLEET, "bus-7", "bus-8", "bus-7"):
+        running.put(fix(0.05, 55.0, 10.0), vehicle_id)
+    found = {keys.get(timeout=WAIT_S) for _ in range(3)}
+    heard.close()
+    assert made == ["bus-7", "bus-8"]
+    assert found == {message_key(each, "odometer", "echo") for each in made}
+
+
+def test_health_is_heard_under_the_one_vehicle_served_or_the_fleet(
+    run: Run, session: zenoh.Session
+) -> None:
+    keys: queue.SimpleQueue[str] = queue.SimpleQueue()
+    heard = Subscription(session, ["*"], ["health"], lambda key, _: keys.put(key))
+    run(echo(), ONE)
+    assert keys.get(timeout=WAIT_S) == message_key("bus-7", "health", "echo")
+    heard.close()

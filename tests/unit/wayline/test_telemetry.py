@@ -1,0 +1,56 @@
+"""What `health` and /metrics say of a service."""
+
+from prometheus_client import generate_latest
+
+from builders import about, at
+from wayline.messages import Health
+from wayline.telemetry import Telemetry
+
+
+def health(telemetry: Telemetry, seconds: float) -> Health:
+    return telemetry.health(at(seconds), backlog=0, dropped=0, bad_input=0, detail=None)
+
+
+def test_rates_are_those_since_the_last_health() -> None:
+    telemetry = Telemetry("fusion", at(0))
+    for _ in range(10):
+        telemetry.heard("gyro", at(0), at(0))
+    telemetry.took()
+    telemetry.published("pose")
+    first = health(telemetry, 2)
+    assert (first.in_rate_hz, first.out_rate_hz) == (about(5.5), about(0.5))
+    second = health(telemetry, 3)
+    assert (second.in_rate_hz, second.out_rate_hz) == (0.0, 0.0)
+    assert second.started_ns == at(0)
+
+
+def test_lag_is_arrival_minus_the_measured_instant() -> None:
+    telemetry = Telemetry("fusion", at(0))
+    assert health(telemetry, 1).lag_ms_p50 is None
+    for hundredth in range(101):
+        telemetry.heard("gyro", at(0), at(hundredth / 100))
+    after = health(telemetry, 2)
+    assert (after.lag_ms_p50, after.lag_ms_p99) == (about(500.0), about(990.0))
+
+
+def test_what_the_bus_lost_and_the_inbox_dropped_add_up_and_so_does_bad_input() -> None:
+    telemetry = Telemetry("fusion", at(0))
+    telemetry.lost(3)
+    telemetry.bad()
+    counted = telemetry.health(at(1), backlog=4, dropped=2, bad_input=6, detail="playing")
+    assert (counted.dropped, counted.bad_input, counted.backlog) == (5, 7, 4)
+    assert counted.detail == "playing"
+
+
+def test_prometheus_reads_the_same_counts() -> None:
+    telemetry = Telemetry("fusion", at(0))
+    telemetry.heard("gyro", at(0), at(0.003))
+    telemetry.published("pose")
+    telemetry.lost(3)
+    health(telemetry, 1)
+    lines = generate_latest(telemetry.registry).decode().splitlines()
+    assert 'wayline_messages_in_total{topic="gyro"} 1.0' in lines
+    assert 'wayline_messages_out_total{topic="pose"} 1.0' in lines
+    assert "wayline_dropped 3.0" in lines
+    assert 'wayline_lag_seconds_bucket{le="0.002"} 0.0' in lines
+    assert 'wayline_lag_seconds_bucket{le="0.005"} 1.0' in lines
