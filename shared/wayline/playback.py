@@ -4,6 +4,7 @@ import heapq
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager
 
 import msgspec
 
@@ -31,8 +32,8 @@ class Played(msgspec.Struct, frozen=True):
     message: Message
 
 
-Agree = Callable[[PlayClock], PlayClock]
-"""From the own clock to the one shared with the other players of the drive."""
+Agree = Callable[[PlayClock], AbstractContextManager[PlayClock]]
+"""From the own clock to the one shared with the other players, who may ask for it meanwhile."""
 
 
 class Playback:
@@ -74,7 +75,8 @@ class Playback:
         own = self._own_clock(stop)
         # without a message of its own it has no clock to bring, and nothing to wait for
         if own is not None:
-            self._play(self._agree(own), put, stop)
+            with self._agree(own) as clock:
+                self._play(clock, put, stop)
         self._is_over = not stop.is_set()
 
     def _play(

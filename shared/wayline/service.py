@@ -172,12 +172,9 @@ class Loop:
             queryable = self._session.declare_queryable(query, replier(answer))
             stack.callback(queryable.undeclare)
         stack.callback(self._publishers.close)
-        topics = sorted(message.topic for message in service.reads)
-        if topics:
-            subscription = Subscription(
-                self._session, served, topics, self._on_sample, self._telemetry.lost
-            )
-            stack.callback(subscription.close)
+        self._subscribe(stack, served, service.reads)
+        if Health in service.reads and EVERY_VEHICLE not in served:
+            self._subscribe(stack, (FLEET,), (Health,))
         if service.watch_alive is not None:
             alive = self._session.liveliness().declare_subscriber(
                 alive_key("*", "*"), self._on_alive, history=True
@@ -191,6 +188,17 @@ class Loop:
                 running.add_done_callback(self._end_if_failed)
         token = self._session.liveliness().declare_token(alive_key(self._home(), service.name))
         stack.callback(token.undeclare)
+
+    def _subscribe(
+        self,
+        stack: contextlib.ExitStack,
+        vehicle_ids: Iterable[str],
+        reads: Iterable[type[Message]],
+    ) -> None:
+        topics = sorted(message.topic for message in reads)
+        lost = self._telemetry.lost
+        subscription = Subscription(self._session, vehicle_ids, topics, self._on_sample, lost)
+        stack.callback(subscription.close)
 
     def _home(self) -> str:
         """Vehicle part of the service's own keys."""

@@ -3,7 +3,8 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from msgspec.structs import replace
@@ -76,14 +77,14 @@ def playback(
 ) -> Playback:
     """The feed that plays the recordings of `--drive`, in step with the other players."""
     vehicle_id = settings.own_vehicle()
-    # Zenoh ends what nobody holds; later players ask as long as this one plays
-    held: list[object] = []
 
-    def agreed(own: PlayClock) -> PlayClock:
-        session = open_session(settings.bus)
-        clock, queryable = agree(session, vehicle_id, own)
-        held.extend((session, queryable))
-        return clock
+    @contextmanager
+    def agreed(own: PlayClock) -> Iterator[PlayClock]:
+        """Later players ask as long as this one plays; an open session would keep the process."""
+        with open_session(settings.bus) as session:
+            clock, queryable = agree(session, vehicle_id, own)
+            yield clock
+            queryable.undeclare()
 
     play = PlayOptions(speed=options.speed, loop=options.loop, now=options.now)
     return Playback(name, open_recordings, play, agreed)

@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 
 import msgspec
 import pytest
@@ -30,6 +31,11 @@ def alone(own: PlayClock) -> PlayClock:
     return msgspec.structs.replace(own, start_ns=time.time_ns())
 
 
+@contextmanager
+def at_once(own: PlayClock) -> Iterator[PlayClock]:
+    yield alone(own)
+
+
 class Player:
     """Plays until so many messages were put."""
 
@@ -52,9 +58,10 @@ class Player:
         self.opened += 1
         return self._recordings
 
-    def _agree(self, own: PlayClock) -> PlayClock:
+    @contextmanager
+    def _agree(self, own: PlayClock) -> Iterator[PlayClock]:
         self.clocks.append(own)
-        return alone(own)
+        yield alone(own)
 
     def _take(self, message: msgspec.Struct) -> None:
         assert isinstance(message, Played)
@@ -112,9 +119,10 @@ def test_a_player_without_messages_ends_and_brings_no_clock(loop: bool) -> None:
 def test_a_player_that_has_not_begun_does_not_say_that_it_has_ended() -> None:
     details: list[str | None] = []
 
-    def agree_late(own: PlayClock) -> PlayClock:
+    @contextmanager
+    def agree_late(own: PlayClock) -> Iterator[PlayClock]:
         details.append(playback.detail)
-        return alone(own)
+        yield alone(own)
 
     playback = Playback("a", lambda: [recording(0)], PlayOptions(speed=FAST), agree_late)
     playback.run(lambda _: details.append(playback.detail), threading.Event())
@@ -123,7 +131,7 @@ def test_a_player_that_has_not_begun_does_not_say_that_it_has_ended() -> None:
 
 def test_a_stop_ends_the_wait_for_the_next_message() -> None:
     stop = threading.Event()
-    playback = Playback("a", lambda: [recording(0, 3600)], PlayOptions(speed=1.0), alone)
+    playback = Playback("a", lambda: [recording(0, 3600)], PlayOptions(speed=1.0), at_once)
     # the second message is due in an hour
     playback.run(lambda _: stop.set(), stop)
     assert stop.is_set()

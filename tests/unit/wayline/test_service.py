@@ -20,6 +20,7 @@ from wayline.bus import Publishers, Subscription
 from wayline.codec import encode
 from wayline.core import Record
 from wayline.errors import InputError
+from wayline.inbox import Inbox, Item
 from wayline.inputs import Flush, Sentence, Tick
 from wayline.keys import FLEET, alive_key, message_key
 from wayline.messages import GpsFix, Gyro, Health, Message, Odometer
@@ -258,7 +259,14 @@ def test_what_a_full_inbox_drops_is_counted_in_health(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("wayline.inbox.Inbox.__init__.__defaults__", (5,))
-    blocked, go = threading.Event(), threading.Event()
+    blocked, go, arrived = threading.Event(), threading.Event(), threading.Semaphore(0)
+    put = Inbox.put
+
+    def put_and_tell(inbox: Inbox, item: Item) -> None:
+        put(inbox, item)
+        arrived.release()
+
+    monkeypatch.setattr(Inbox, "put", put_and_tell)
 
     class Slow(Echo):
         def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
@@ -272,6 +280,7 @@ def test_what_a_full_inbox_drops_is_counted_in_health(
     assert blocked.wait(WAIT_S)
     for number in range(12):
         running.put(fix(number, 55.0, 10.0))
+    assert all(arrived.acquire(timeout=WAIT_S) for _ in range(1 + 12))
     go.set()
     assert running.await_health(lambda health: health.dropped > 0).dropped == 7
 
