@@ -78,6 +78,29 @@ def _options(
     del version
 
 
+@app.command("demo")
+def demo_command(
+    keep: Annotated[
+        Path | None, typer.Option(help="Folder for its files, kept; default: a temporary one.")
+    ] = None,
+    first_port: Annotated[
+        int | None, typer.Option(help="Use ports from here on instead of 8000-8005 and 7447.")
+    ] = None,
+    no_open: Annotated[bool, typer.Option("--no-open", help="Do not open the page.")] = False,
+    seconds: Annotated[float | None, typer.Option(help="End after so many seconds.")] = None,
+) -> None:
+    """Run the whole system live on this machine, with a shuttle and a car; Ctrl-C ends it."""
+    from wayline_cli.demo import demo
+
+    demo(
+        keep=keep,
+        first_port=first_port,
+        open_page=not no_open,
+        seconds=seconds,
+        say=typer.echo,
+    )
+
+
 @app.command("replay")
 def replay_command(
     drive: Annotated[Path, typer.Argument(help="A drive's folder (with drive.toml).")],
