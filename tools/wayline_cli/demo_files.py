@@ -1,0 +1,162 @@
+"""What the demo runs on: its ports, its configuration files, its drives, its processes."""
+
+import socket
+import sys
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from wayline.errors import InputError
+from wayline.http_settings import PORTS
+from wayline_cli.demo_drive import VEHICLE_ID, write_demo_drive
+from wayline_cli.up import Child, service_command
+
+LOOPBACK = "127.0.0.1"
+ROUTER_PORT, RERUN_PORT = 7447, 9876
+CAR_GPS = "gps-ingest-2"
+"""The car's; the first is the shuttle's."""
+SHUTTLE_ID = "target-shuttle"
+SHUTTLE_FOLDERS = (
+    Path(__file__).with_name("avl-shuttle"),
+    Path(__file__).parents[2] / "deploy" / "demo" / "avl-shuttle",
+)
+"""In the wheel, in a checkout."""
+VEHICLES = (SHUTTLE_ID, VEHICLE_ID)
+PORT_COUNT = len(PORTS) + 3
+
+
+class Ports(NamedTuple):
+    """Where everything listens."""
+
+    http: dict[str, int]
+    """By process."""
+    router: int
+    rerun: int
+
+    def all(self) -> dict[str, int]:
+        """Every port by what listens there."""
+        return {**self.http, "router": self.router, "rerun": self.rerun}
+
+
+@dataclass(frozen=True, slots=True)
+class Demo:
+    """A demo that is ready to start."""
+
+    ports: Ports
+    stages: list[list[Child]]
+    vehicles: frozenset[str]
+    has_rerun: bool
+
+
+def choose_ports(first: int | None) -> Ports:
+    """The services' own ports, or PORT_COUNT in a row. Raises InputError where there are none."""
+    names = [*PORTS, CAR_GPS]
+    if first is None:
+        return Ports(_row(names, PORTS["dashboard"]), ROUTER_PORT, RERUN_PORT)
+    highest = 65_536 - PORT_COUNT
+    if not 1024 <= first <= highest:
+        mend = f"give one from 1024 to {highest}, {PORT_COUNT} in a row are used"
+        raise InputError("--first-port", f"{first} is no port to begin at", mend)
+    return Ports(_row(names, first), first + len(names), first + len(names) + 1)
+
+
+def _row(names: list[str], first: int) -> dict[str, int]:
+    return dict(zip(names, range(first, first + len(names)), strict=True))
+
+
+def check_ports(ports: Ports) -> None:
+    """Raise InputError naming the first port that is taken."""
+    for name, port in ports.all().items():
+        if not is_free(port):
+            raise InputError(
+                f"port {port} ({name})",
+                "something listens there already",
+                "stop it (another demo?) or give --first-port, e.g. --first-port 18000",
+            )
+
+
+def is_free(port: int, host: str = LOOPBACK) -> bool:
+    """Whether a service could listen there."""
+    try:
+        with socket.create_server((host, port)):
+            return True
+    except OSError:
+        return False
+
+
+def find_shuttle() -> Path:
+    """The folder of the recorded shuttle's drive. Raises InputError where it is not installed."""
+    for folder in SHUTTLE_FOLDERS:
+        if (folder / "drive.toml").is_file():
+            return folder
+    raise InputError(
+        str(SHUTTLE_FOLDERS[-1]), "the shuttle's drive is not there", "run scripts/demo in a clone"
+    )
+
+
+def prepare(folder: Path, ports: Ports) -> Demo:
+    """Write the car's drive and the configuration files into a folder. Raises InputError."""
+    shuttle, car = find_shuttle(), folder / "demo-car"
+    write_demo_drive(car)
+    has_rerun = find_spec("rerun") is not None
+    routes = [str(shuttle / "route.geojson"), str(car / "route.geojson")]
+    of_all = _configuration(folder, ports, ports.http, routes, has_rerun=has_rerun)
+    # with one route, its line is the road, and a lap is learned as soon as it ends
+    of_slopes = _configuration(folder, ports, ports.http, routes[1:], has_rerun=False)
+    car_ports = ports.http | {"gps-ingest": ports.http[CAR_GPS]}
+    of_car = _configuration(folder, ports, car_ports, [], has_rerun=False)
+    config = _written(folder / "wayline.toml", of_all)
+    slope_config = _written(folder / "slope-map.toml", of_slopes)
+    car_config = _written(folder / "demo-car.toml", of_car)
+    services = [
+        *(Child(name, service_command(name, config)) for name in ("fusion", "eta", "dashboard")),
+        Child("slope-map", service_command("slope-map", slope_config)),
+        Child("gps-ingest", _player("gps-ingest", config, shuttle)),
+        Child(CAR_GPS, _player("gps-ingest", car_config, car)),
+        Child("can-ingest", _player("can-ingest", car_config, car)),
+    ]
+    router = (sys.executable, "-m", "wayline.router", "--config", str(config))
+    stages = [[Child("router", router)], services]
+    return Demo(ports, stages, frozenset(VEHICLES), has_rerun)
+
+
+def _player(service: str, config: Path, drive: Path) -> tuple[str, ...]:
+    return (*service_command(service, config), "--drive", str(drive), "--loop", "--now")
+
+
+def _configuration(
+    folder: Path, ports: Ports, http: dict[str, int], routes: list[str], *, has_rerun: bool
+) -> str:
+    """A configuration file's text; JSON's strings and lists are TOML's too."""
+
+    def toml(value: object) -> str:
+        return msgspec.json.encode(value).decode()
+
+    database_url = f"sqlite:///{folder / 'wayline.db'}"
+    own_ports = (f"{name} = {port}" for name, port in http.items() if name in PORTS)
+    lines = (
+        "# written by wayline demo",
+        'vehicles = ["*"]',
+        f"database_url = {toml(database_url)}",
+        f"routes = {toml(routes)}",
+        "[bus]",
+        f"connect = {toml([f'tcp/{LOOPBACK}:{ports.router}'])}",
+        "[ports]",
+        *own_ports,
+        "[rerun]",
+        f"enabled = {toml(has_rerun)}",
+        f"port = {ports.rerun}",
+    )
+    return "\n".join((*lines, ""))
+
+
+def _written(path: Path, text: str) -> Path:
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(str(path), reason, "name a folder that can be written") from None
+    return path
