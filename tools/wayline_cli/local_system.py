@@ -35,6 +35,10 @@ class LocalSystem:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End every process."""
         # the router goes last, so that services end without looking for it
         for process in reversed(self._processes.values()):
             process.terminate()
@@ -64,6 +68,11 @@ class LocalSystem:
         """Start a service by its command, with more arguments than its configuration."""
         command = service_command(service, config or self.config)
         self.start_command(service, (*command, *arguments))
+
+    @staticmethod
+    def command(service: str) -> tuple[str, ...]:
+        """A service's command without arguments."""
+        return service_command(service, Path())[:1]
 
     def start_command(self, name: str, command: tuple[str, ...]) -> None:
         """Start any process under a name; what it says replaces what one before it said."""
