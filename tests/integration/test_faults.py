@@ -216,8 +216,11 @@ class Sensors:
     def fill(self) -> None:
         """Send more than a reader that stalls can be sent."""
         filler = self._session.declare_publisher("wayline/@v1/filler/gps_sky/filler")
+        pace = threading.Event()
         for _ in range(FILLERS):
             filler.put(FILLER)
+            # slow enough that none is dropped on its way to the router
+            pace.wait(0.004)
         filler.undeclare()  # type: ignore[no-untyped-call]
         if self._reader == "stalls":
             self._system.await_said("reader", "stalled", WAIT_S)

@@ -211,13 +211,15 @@ def test_a_silent_vehicle_is_noticed_though_another_one_talks_without_a_pause(ru
 
 
 def test_time_does_not_overtake_messages_that_wait(run: Run) -> None:
-    blocked, go = threading.Event(), threading.Event()
+    blocked, go, forever = threading.Event(), threading.Event(), threading.Event()
 
     class Slow(Echo):
         def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
-            if isinstance(message, GpsFix) and message.t_ns == at(10):
+            if isinstance(message, GpsFix) and message.t_ns >= at(10):
                 blocked.set()
                 assert go.wait(WAIT_S)
+                # longer than the loop takes between two looks for silence
+                assert not forever.wait(0.1)
             return super().handle(message, source)
 
     running = run(Service("echo", lambda *_: Node("echo", Slow()), Echo.reads), ALL)
@@ -226,8 +228,9 @@ def test_time_does_not_overtake_messages_that_wait(run: Run) -> None:
     running.await_odometer(at(0.05), 1.0)
     running.put(fix(10, 55.0, 10.0), "bus-7")
     assert blocked.wait(WAIT_S)
-    # these two wait behind a core that takes longer than the silence that lets time pass
+    # these wait behind a core that takes longer than the silence that lets time pass
     running.put(fix(10.05, 55.0, 10.0), "bus-7")
+    running.put(fix(10.06, 55.0, 10.0), "bus-7")
     running.put(fix(0.15, 55.0, 10.0), "bus-8")
     assert not go.wait(1.2)
     go.set()
