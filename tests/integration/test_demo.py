@@ -55,12 +55,14 @@ class Running:
         self.process = subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
-        threading.Thread(target=self._read, daemon=True).start()
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
 
     def _read(self) -> None:
         assert self.process.stdout is not None
-        for line in self.process.stdout:
-            self.lines.put(line)
+        with self.process.stdout as output:
+            for line in output:
+                self.lines.put(line)
 
     def await_line(self, text: str) -> None:
         """Wait until it says something with this text."""
@@ -83,7 +85,9 @@ class Running:
     def end(self) -> int:
         """Its status after SIGTERM."""
         self.process.send_signal(signal.SIGTERM)
-        return self.process.wait(STOP_S)
+        status = self.process.wait(STOP_S)
+        self._reader.join()
+        return status
 
 
 @pytest.fixture

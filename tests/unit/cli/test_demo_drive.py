@@ -21,7 +21,7 @@ from wayline.nmea_log import read_sentences
 from wayline.route import load_route
 from wayline_cli.demo_can import BAROMETER_OFF_M, GYRO_BIAS_DEGPS, SPEED_READS, pressure_pa
 from wayline_cli.demo_drive import write_demo_drive
-from wayline_cli.demo_motion import Motion, drive_lap, lay_out_lap, places_at
+from wayline_cli.demo_motion import ORIGIN, Motion, drive_lap, lay_out_lap, places_at
 from wayline_cli.demo_receiver import TUNNEL_S, sentence, wandering
 from wayline_cli.replay import replay
 
@@ -66,6 +66,9 @@ def test_the_motion_agrees_with_itself(motion: Motion) -> None:
     middle_degps = (motion.yaw_rates_degps[1:] + motion.yaw_rates_degps[:-1]) / 2.0
     # within one instant a bend may begin or end
     assert np.quantile(np.abs(turned_deg / steps_s - middle_degps), 0.99) < 0.1
+    places = zip(motion.lats_deg, motion.lons_deg, strict=True)
+    east_m, north_m = np.array([ORIGIN.to_plane(*place) for place in places]).T
+    assert np.hypot(np.diff(east_m), np.diff(north_m)) == pytest.approx(travelled_m, abs=2e-3)
     risen_m = np.diff(motion.alts_m)
     middle_pct = (motion.grades_pct[1:] + motion.grades_pct[:-1]) / 2.0
     assert risen_m == pytest.approx(travelled_m * middle_pct / 100.0, abs=1e-4)
@@ -126,11 +129,14 @@ def test_the_tunnel_has_no_fix_and_the_rest_has(drive: Path) -> None:
 
 def test_errors_wander_and_close() -> None:
     """About as large as asked, alike from second to second, across the lap's end too."""
+    kept = np.exp(-1 / 30)
     errors = wandering(20_000, 1.4, np.random.default_rng(1))
     assert errors.std() == pytest.approx(1.4, rel=0.15)
     following = np.roll(errors, -1)
-    assert np.corrcoef(errors, following)[0, 1] == pytest.approx(np.exp(-1 / 30), abs=0.01)
-    assert abs(errors[0] - errors[-1]) < 1.5
+    assert np.corrcoef(errors, following)[0, 1] == pytest.approx(kept, abs=0.01)
+    laps = [wandering(200, 1.4, np.random.default_rng(seed)) for seed in range(200)]
+    jumps = [lap[0] - lap[-1] for lap in laps]
+    assert np.std(jumps) == pytest.approx(1.4 * np.sqrt(2.0 * (1.0 - kept)), rel=0.2)
 
 
 def decoded(drive: Path, database: Database, name: str) -> Iterator[float]:
