@@ -24,13 +24,7 @@ START_S = 90.0
 LIVE_S = 90.0
 """The shuttle stands for its first 15 s, and a position alone is no heading."""
 STOP_S = 20.0
-DEMO = """
-import sys
-from pathlib import Path
-from wayline_cli.demo import demo
-demo(first_port=int(sys.argv[1]), keep=Path(sys.argv[2]), open_page=False,
-     say=lambda line: print(line, flush=True))
-"""
+WAYLINE = Path(sys.executable).with_name("wayline")
 
 
 def free_row() -> int:
@@ -51,9 +45,9 @@ class Running:
     def __init__(self, folder: Path) -> None:
         self.folder, self.port = folder, free_row()
         self.lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-        command = (sys.executable, "-c", DEMO, str(self.port), str(folder))
+        options = ("--no-open", "--first-port", str(self.port), "--keep", str(folder))
         self.process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            (WAYLINE, "demo", *options), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
