@@ -1,6 +1,7 @@
 """The doctor's check of CAN interfaces."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import can
 
@@ -30,7 +31,7 @@ def _check_interface(source: LiveCan, open_can: OpenCan) -> Check:
 
 def try_can(source: LiveCan) -> str | None:
     """Open an interface as can-ingest would, and close it."""
-    options = {} if source.bitrate is None else {"bitrate": source.bitrate}
+    options: dict[str, Any] = {} if source.bitrate is None else {"bitrate": source.bitrate}
     try:
         with can.Bus(interface=source.interface, channel=source.channel, **options):
             return None

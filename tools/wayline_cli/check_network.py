@@ -82,8 +82,8 @@ def try_session(bus: BusSettings) -> str | None:
     config.insert_json5("connect/timeout_ms", json.dumps(round(ROUTER_TIMEOUT_S * 1000)))
     config.insert_json5("connect/exit_on_failure", "true")
     try:
-        zenoh.open(config).close()
+        with zenoh.open(config):
+            return None
     except zenoh.ZError as error:
         # zenoh adds its own sources' places, which say nothing to a reader
         return " ".join(str(error).split(" at /")[0].split())
-    return None
