@@ -86,6 +86,7 @@ class Service:
 def run(service: Service, settings: Settings) -> None:
     """Run a service until SIGTERM or Ctrl-C. Raises InputError for bad configuration."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(name)s %(message)s")
+    logging.getLogger("uvicorn").setLevel(logging.WARNING)
     with stop_on_signals() as stop:
         session = unless_stopped(
             lambda: open_session(settings.bus),
