@@ -148,6 +148,8 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """A pose known worse is not placed on a road."""
     map_run_max_m: Positive = 50_000.0
     """A run this long is merged though the drive goes on."""
+    map_park_s: Positive = 300.0
+    """A vehicle that stands this long is parked: its run is merged. Queues are shorter."""
     map_gap_s: Positive = 60.0
     """A silence this long ends a run."""
     horizon_length_m: Positive = 2000.0

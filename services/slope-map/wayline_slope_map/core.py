@@ -21,6 +21,8 @@ from wayline_slope_map.track import Altitude, Place, Pressure, Track
 
 SECOND_NS = 1_000_000_000
 PLACED_MODES = ("gps", "fused", "dead_reckoning")
+PARKED_WITHIN_M = 30.0
+"""The travelled distance of a vehicle that stands creeps by noise."""
 FRESH_NS = 2 * SECOND_NS
 """An older pose says where the vehicle was, not where it is."""
 LOST_AFTER_M = 150.0
@@ -57,6 +59,8 @@ class SlopeMapCore:
         self._index = RoadIndex(profile.road for profile in self._profiles.values())
         self._track = Track()
         self._pose: Pose | None = None
+        self._driving: Pose | None = None
+        """The last pose that was well ahead of the one kept here before."""
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:  # noqa: ARG002  # the slope is one whichever source
         """Take one input and return what follows from it, in order."""
@@ -79,7 +83,7 @@ class SlopeMapCore:
         last = self._pose
         if last is not None and pose.t_ns < last.t_ns:
             return []
-        ended = last is not None and self._ends_run(last, pose)
+        ended = last is not None and (self._ends_run(last, pose) or self._is_parked(pose))
         finished = self._finish() if ended else []
         self._pose = pose
         place = self._place(pose)
@@ -97,6 +101,16 @@ class SlopeMapCore:
         start_m = self._track.travelled_m[0] if self._track.travelled_m else pose.distance_m
         long = pose.distance_m - start_m > self._tuning.map_run_max_m
         return silent or restarted or long
+
+    def _is_parked(self, pose: Pose) -> bool:
+        """Whether the vehicle has now stood for long; poses go on meanwhile."""
+        driving = self._driving
+        if driving is None or abs(pose.distance_m - driving.distance_m) > PARKED_WITHIN_M:
+            self._driving = driving = pose
+        parked = pose.t_ns - driving.t_ns > self._tuning.map_park_s * SECOND_NS
+        if parked:
+            self._driving = pose
+        return parked
 
     def _place(self, pose: Pose) -> Place | None:
         """The pose as a place of the run, every 10 m and where it is known well enough."""

@@ -229,6 +229,18 @@ def test_a_silence_or_a_restart_of_fusion_ends_a_run() -> None:
     assert [len(runs_of(core(), part)) for part in (silent, restarted, going_on)] == [1, 1, 0]
 
 
+def test_a_parked_vehicles_run_ends_once_though_poses_go_on() -> None:
+    """Fusion gives poses for as long as it runs; a queue of two minutes is not parking."""
+    whole = drive(seed=10, length_m=2000.0)[:-1]
+    last = next(message for message in reversed(whole) if isinstance(message, Pose))
+    standing = [
+        msgspec.structs.replace(last, t_ns=last.t_ns + second * SECOND_NS)
+        for second in range(1, 1000)
+    ]
+    assert len(runs_of(core(), [*whole, *standing[:120]])) == 0
+    assert len(runs_of(core(), [*whole, *standing])) == 1
+
+
 def test_poses_without_a_place_and_input_without_poses_make_no_run() -> None:
     lost = [
         msgspec.structs.replace(message, mode="lost") if isinstance(message, Pose) else message
