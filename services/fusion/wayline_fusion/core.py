@@ -105,7 +105,6 @@ class FusionCore:
             return ()
         self._fix_ns = fix.t_ns
         self._add(self._fix_event(fix, fix.lat_deg, fix.lon_deg))
-        self._collect_verdicts()
         if fix.alt_m is not None and "gps" in self._tuning.vertical_sensors:
             self._climb()
             self._vertical.gps(fix.alt_m, altitude_std_m(fix, self._tuning))
@@ -146,7 +145,6 @@ class FusionCore:
 
     def _tick(self, t_ns: int) -> Sequence[Message]:
         self._add(Step(t_ns))
-        self._collect_verdicts()
         messages: list[Message] = []
         on_second = t_ns % SECOND_NS == 0
         without_fix = self._fix_ns is None or t_ns - self._fix_ns > SECOND_NS
@@ -159,11 +157,10 @@ class FusionCore:
         return messages
 
     def _add(self, event: Event) -> None:
+        """Apply an event; told are its own verdicts, not those of events that it set back."""
         if not self._timeline.add(event):
             self._late += 1
-
-    def _collect_verdicts(self) -> None:
-        verdicts = self._estimator.take_verdicts()
+        verdicts = [v for v in self._estimator.take_verdicts() if v.t_ns == event.t_ns]
         self._rejected += sum(not verdict.accepted for verdict in verdicts)
         self._verdicts += verdicts
 

@@ -52,11 +52,10 @@ class Estimator:
         self.gyro = GyroTrack()
         self.memory = Memory()
         self._tuning = tuning
-        self._judged_ns = 0
         self._verdicts: list[Verdict] = []
 
     def take_verdicts(self) -> list[Verdict]:
-        """Verdicts since the last call; an event applied again after a rewind is judged once."""
+        """Verdicts since the last call, those of events applied again after a rewind included."""
         verdicts, self._verdicts = self._verdicts, []
         return verdicts
 
@@ -229,9 +228,7 @@ class Estimator:
             len(measurement.z),
             self._tuning.gate_probability,
         )
-        if t_ns >= self._judged_ns:
-            self._judged_ns = t_ns
-            self._verdicts.append(verdict)
+        self._verdicts.append(verdict)
         if verdict.accepted:
             self.filter.correct(measurement)
         return verdict.accepted

@@ -240,3 +240,20 @@ def test_a_clock_set_right_by_years_starts_over_and_keeps_the_calibration() -> N
     assert (last.mode, last.lat_deg, last.heading_deg) == ("starting", None, None)
     status = only(outputs, FusionStatus)[-1]
     assert status.gyro_bias_degps == about(0.5, 0.05)
+
+
+def test_every_measurement_has_its_verdict_once_also_when_fixes_come_out_of_order() -> None:
+    """A late fix sets newer ones back; they are applied again but not told again."""
+    truths = truth_of(circle, 30.0)
+    messages = list(messages_of(circle, truths, Sensors()))
+    fixes = [index for index, message in enumerate(messages) if isinstance(message, GpsFix)]
+    late = messages.pop(fixes[20])
+    assert isinstance(late, GpsFix)
+    newer = fix(20.5, *ORIGIN.to_geodetic(truths[2050].east_m, truths[2050].north_m), h_std_m=1.0)
+    after = next(i for i, m in enumerate(messages) if m.t_ns > at(20.6))
+    messages[after:after] = [newer, late]
+    statuses = only(run_core(FusionCore(Tuning()), messages), FusionStatus)
+    told = [(v.sensor, v.t_ns) for status in statuses for v in status.verdicts]
+    assert len(told) == len(set(told))
+    assert ("gps_position", late.t_ns) in told
+    assert ("gps_position", newer.t_ns) in told
