@@ -63,12 +63,17 @@ class Feed(Protocol):
         ...
 
 
+def no_core(vehicle_id: str, source: str) -> Node:
+    """For a service whose feeds give ready messages: a recording is translated as it is paced."""
+    raise AssertionError(f"there is no core for input of {vehicle_id} from {source}")
+
+
 @dataclass(slots=True)
 class Service:
     """What a shell hands over."""
 
     name: str
-    make_node: Callable[[str, str], Node]
+    make_node: Callable[[str, str], Node] = no_core
     """A core with its store for a vehicle (and, for raw input, a source)."""
     reads: frozenset[type[Message]] = frozenset()
     watch: Watch | None = None

@@ -26,9 +26,7 @@ def build(settings: Settings, options: Namespace) -> Service:
         drive = load_drive(options.drive)
         where = str(options.drive)
         played = playback(NAME, settings, options, lambda: recordings(drive, where))
-        return Service(
-            NAME, _no_core, feeds=[played], make_app=app, bad_input=lambda: played.bad_input
-        )
+        return Service(NAME, feeds=[played], make_app=app, bad_input=lambda: played.bad_input)
     vehicle = settings.vehicle
     cores: dict[str, CanIngestCore] = {}
     feeds = []
@@ -44,10 +42,6 @@ def build(settings: Settings, options: Namespace) -> Service:
         make_app=app,
         bad_input=lambda: sum(core.bad_input + core.dropped for core in cores.values()),
     )
-
-
-def _no_core(vehicle_id: str, source: str) -> Node:
-    raise AssertionError(f"a recording needs no core ({vehicle_id}, {source})")
 
 
 def main() -> None:

@@ -22,9 +22,7 @@ def build(settings: Settings, options: Namespace) -> Service:
     if options.drive is not None:
         drive = load_drive(options.drive)
         played = playback(NAME, settings, options, lambda: recordings(drive))
-        return Service(
-            NAME, _no_core, feeds=[played], make_app=app, bad_input=lambda: played.bad_input
-        )
+        return Service(NAME, feeds=[played], make_app=app, bad_input=lambda: played.bad_input)
     cores: list[GpsIngestCore] = []
 
     def make_node(vehicle_id: str, source: str) -> Node:
@@ -42,10 +40,6 @@ def build(settings: Settings, options: Namespace) -> Service:
         make_app=app,
         bad_input=lambda: sum(core.bad_input for core in cores),
     )
-
-
-def _no_core(vehicle_id: str, source: str) -> Node:
-    raise AssertionError(f"a recording needs no core ({vehicle_id}, {source})")
 
 
 def main() -> None:
