@@ -1,0 +1,1 @@
+"""Drives with known truth: roads, drivers, vehicles and their sensors, made up from a seed."""
