@@ -116,9 +116,7 @@ class Journey:
         gone_m = (first_mps + speeds_mps) / 2.0 * since_s
         whole_m = (first_mps + last_mps) / 2.0 * MOTION_STEP_S
         level_m = motion.path_m[step + 1] - motion.path_m[step]
-        level_share = np.divide(
-            level_m, whole_m, out=np.ones_like(whole_m), where=whole_m > 0.0
-        )
+        level_share = np.divide(level_m, whole_m, out=np.ones_like(whole_m), where=whole_m > 0.0)
         outside = (times_s < 0.0) | (times_s > self.duration_s)
         return (
             motion.path_m[step] + gone_m * level_share,

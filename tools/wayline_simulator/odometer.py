@@ -11,7 +11,7 @@ NotNegative = Annotated[float, Meta(ge=0.0)]
 
 
 class OdometerModel(Strict, frozen=True, kw_only=True):
-    """`[odometer]`: measured = wheel rate x nominal radius x (1 + scale) + noise, in whole steps."""
+    """`[odometer]`: wheel rate x nominal radius x (1 + scale) + noise, in whole steps."""
 
     rate_hz: Positive = 10.0
     scale_std: NotNegative = 0.02

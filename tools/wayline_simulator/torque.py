@@ -1,4 +1,4 @@
-"""Pure: what the engine's control unit says of its torque, and the slope that a truck makes of it."""
+"""Pure: what an engine says of its torque, and the slope that a truck makes of it."""
 
 from typing import Annotated
 
