@@ -6,9 +6,9 @@ and grade are those of the nose and go on unbroken where the vehicle begins to r
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from wayline.geo import WGS84
 
 Floats = NDArray[np.float64]
+Number = TypeVar("Number", bound=np.generic)
 
 STEP_M = 0.5
 """Between the samples of a course; in a bend of 8 m radius the chord is 4 mm off the arc."""
@@ -131,31 +132,26 @@ def repeated(course: Course, laps: int) -> Course:
     lap = np.repeat(np.arange(laps), count)
     length_m = course.length_m
 
-    def again(values: NDArray[np.generic]) -> NDArray[np.generic]:
+    def again(values: NDArray[Number]) -> NDArray[Number]:
         return np.append(np.tile(values[:-1], laps), values[-1:])
 
-    return replace(
-        course,
+    return Course(
         distances_m=np.arange(laps * count + 1) * STEP_M,
+        lats_deg=again(course.lats_deg),
+        lons_deg=again(course.lons_deg),
         headings_rad=again(course.headings_rad) + round_rad * np.append(lap, laps - 1),
+        curvature_per_m=again(course.curvature_per_m),
+        alts_m=again(course.alts_m),
+        grade=again(course.grade),
+        limits_mps=again(course.limits_mps),
+        surroundings=again(course.surroundings),
+        backwards=again(course.backwards),
         halts=tuple(
             halt._replace(distance_m=halt.distance_m + number * length_m)
             for number in range(laps)
             for halt in course.halts
         ),
-        **{
-            name: again(getattr(course, name))
-            for name in (
-                "lats_deg",
-                "lons_deg",
-                "curvature_per_m",
-                "alts_m",
-                "grade",
-                "limits_mps",
-                "surroundings",
-                "backwards",
-            )
-        },
+        loop=True,
     )
 
 
