@@ -108,7 +108,7 @@ def lay_course(
     turned_rad = np.radians(heading_deg) + _integral(curvature_per_m, np.ones_like(signs))
     lats_deg, lons_deg, headings_rad = _on_ellipsoid(lat_deg, lon_deg, turned_rad, signs)
     return Course(
-        distances_m=np.arange(count) * STEP_M,
+        distances_m=np.arange(count, dtype=np.float64) * STEP_M,
         lats_deg=lats_deg,
         lons_deg=lons_deg,
         headings_rad=headings_rad,
@@ -136,7 +136,7 @@ def repeated(course: Course, laps: int) -> Course:
         return np.append(np.tile(values[:-1], laps), values[-1:])
 
     return Course(
-        distances_m=np.arange(laps * count + 1) * STEP_M,
+        distances_m=np.arange(laps * count + 1, dtype=np.float64) * STEP_M,
         lats_deg=again(course.lats_deg),
         lons_deg=again(course.lons_deg),
         headings_rad=again(course.headings_rad) + round_rad * np.append(lap, laps - 1),
