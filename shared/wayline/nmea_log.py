@@ -1,7 +1,6 @@
 """Reads a recorded NMEA 0183 log: text lines, plain or with the time of their arrival before them.
 
-A log is read as bytes, because receivers mix binary messages in and links tear sentences apart.
-Latin-1 keeps every byte one character, so that checksums can still be told right from wrong.
+A log is read as bytes, because receivers mix binary messages in (see `wayline.framing`).
 """
 
 import re
@@ -9,13 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wayline.errors import InputError
+from wayline.framing import split_sentences
 from wayline.inputs import Sentence
 
-SENTENCE = re.compile(
-    r"[$!](?=[A-Z0-9]{2}[A-Z0-9.]*[,*])"  # the start, only where an address field follows
-    r"(?:(?![$!][A-Z0-9]{2}[A-Z0-9.]*[,*])[^*\r\n])*"  # up to a checksum or the next one
-    r"(?:\*[0-9A-Fa-f]{2}|\*)?"
-)
 ARRIVAL = re.compile(r"(\d{1,12})(?:\.(\d{1,9})\d*)?\s+(?=[$!])")
 DATED = re.compile(
     rb"\$[A-Z]{2}(?:RMC,(?:[^,*\r\n]*,){8}\d{6}[,*\r\n]|ZDA,[^,*\r\n]*,\d\d?,\d\d?,\d{4}[,*\r\n])"
@@ -34,16 +29,6 @@ def read_sentences(path: Path) -> Iterator[Sentence]:
             arrival_ns = _arrival_ns(text)
             for sentence in split_sentences(text):
                 yield Sentence(arrival_ns, sentence)
-
-
-def split_sentences(line: str) -> list[str]:
-    """The sentences within one line, noise around them cut off.
-
-    Links tear sentences, so each begins at the last `$` or `!` that starts one: of
-    `$GPRM$GPRMC,...` only the second remains. A piece long enough to be known by its address is
-    handed on, for its reader to count as torn.
-    """
-    return [match[0].rstrip() for match in SENTENCE.finditer(line)]
 
 
 def has_date(path: Path) -> bool:

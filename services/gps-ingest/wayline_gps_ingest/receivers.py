@@ -12,8 +12,8 @@ import msgspec
 import serial
 
 from wayline.errors import InputError
+from wayline.framing import split_sentences
 from wayline.inputs import Sentence
-from wayline.nmea_log import split_sentences
 from wayline.settings import LiveNmea
 
 READ_S = 0.2

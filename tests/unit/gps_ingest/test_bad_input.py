@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unit.gps_ingest.receiver import fixes, flush, gga, gsa, hear, line, rmc
+from wayline.framing import split_sentences
 from wayline.inputs import PositionReport, Sentence, Tick
 from wayline.messages import GpsSky
-from wayline.nmea_log import split_sentences
 from wayline_gps_ingest.core import GpsIngestCore
 
 KINDS = ("GGA", "RMC", "GSA", "GSV", "GST", "VTG", "GLL", "GNS", "ZDA", "TXT")

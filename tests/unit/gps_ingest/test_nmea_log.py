@@ -7,7 +7,7 @@ import pytest
 from unit.gps_ingest.receiver import gga, rmc
 from wayline.errors import InputError
 from wayline.inputs import Sentence
-from wayline.nmea_log import has_date, read_sentences, split_sentences
+from wayline.nmea_log import has_date, read_sentences
 
 
 def log(folder: Path, content: bytes) -> Path:
@@ -34,22 +34,6 @@ def test_arrival_stands_before_the_sentence(tmp_path: Path) -> None:
 def test_comments_and_binary_are_skipped(tmp_path: Path) -> None:
     path = log(tmp_path, b"# $GPAAA,0*00\n\xb5b\x01\x07\x00$x\n\x00$GPBBB,2*00\xb5b\x02$\n")
     assert [each.text for each in read_sentences(path)] == ["$GPBBB,2*00"]
-
-
-@pytest.mark.parametrize(
-    ("line", "expected"),
-    [
-        ("$GPRM$GPRMC,,V,,,*00", ["$GPRMC,,V,,,*00"]),
-        ("$GPGGA,030130$GPGLL,1,A*41", ["$GPGGA,030130", "$GPGLL,1,A*41"]),
-        ("$GPAAA,1*00$GPBBB,2*00", ["$GPAAA,1*00", "$GPBBB,2*00"]),
-        ("$GPTXT,price 5$ or 6!*00", ["$GPTXT,price 5$ or 6!*00"]),
-        ("!AIVDM,1,1,,A,x,0*5C", ["!AIVDM,1,1,,A,x,0*5C"]),
-        ("$GPRMC,cut", ["$GPRMC,cut"]),
-        ("12 $ 13 ! 14", []),
-    ],
-)
-def test_a_line_is_split_where_sentences_start(line: str, expected: list[str]) -> None:
-    assert split_sentences(line) == expected
 
 
 @pytest.mark.parametrize(
