@@ -11,3 +11,7 @@ class InputError(Exception):
     def __init__(self, where: str, what: str, mend: str) -> None:
         self.where, self.what, self.mend = where, what, mend
         super().__init__(" ".join(f"{where}: {what}; {mend}".split()))
+
+    def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
+        """It is raised again where another process did the work."""
+        return type(self), (self.where, self.what, self.mend)
