@@ -16,6 +16,9 @@ from wayline_simulator.sampling import frame_times, instants
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
 
+MOST_DRIVEN_M = 5e8
+"""What a counter may have at a drive's start; a truck is scrapped later, but not by much."""
+
 
 class OdometerModel(Strict, frozen=True, kw_only=True):
     """`[odometer]`: wheel rate x nominal radius x (1 + scale) + noise, in whole steps."""
@@ -62,8 +65,8 @@ class OdometerSamples(NamedTuple):
     """When the wheels turned so."""
     speeds_mps: Floats
     """Never negative."""
-    counts: NDArray[np.int64]
-    """The distance counter's steps, wrapped; all 0 where the bus has none."""
+    distances_m: Floats
+    """The counter, in whole steps, wrapped; all 0 where the bus has none."""
     reverse: NDArray[np.bool_]
 
 
@@ -96,7 +99,7 @@ def measure(
         times_s=frame_times(grid_s, model.jitter_s, random),
         instants_s=instants_s,
         speeds_mps=_displayed(speeds_mps, true_mps, model),
-        counts=_counted(journey, model, instants_s, rolled_mps * scale, random),
+        distances_m=_counted_m(journey, model, instants_s, rolled_mps * scale, random),
         reverse=_reverse(journey, instants_s),
     )
 
@@ -110,23 +113,24 @@ def _displayed(speeds_mps: Floats, true_mps: Floats, model: OdometerModel) -> Fl
     return in_steps(turning_mps, step_mps)
 
 
-def _counted(
+def _counted_m(
     journey: Journey,
     model: OdometerModel,
     instants_s: Floats,
     read_mps: Floats,
     random: np.random.Generator,
-) -> NDArray[np.int64]:
+) -> Floats:
     """The counter, forwards in reverse too; it began at some vehicle's first metre, not here."""
     if model.counter_resolution_m is None:
-        return np.zeros(len(instants_s), dtype=np.int64)
+        return np.zeros(len(instants_s))
     steps_m = (read_mps[:-1] + read_mps[1:]) * (MOTION_STEP_S / 2.0)
     rolled_m = np.concatenate(([0.0], np.cumsum(steps_m)))
     gone_m = np.interp(instants_s, journey.motion.times_s, rolled_m)
-    start = random.uniform(0.0, 2.0**model.counter_bits)
-    counts = np.floor(start + gone_m / model.counter_resolution_m).astype(np.int64)
-    wrapped: NDArray[np.int64] = counts % 2**model.counter_bits
-    return wrapped
+    span_m = 2.0**model.counter_bits * model.counter_resolution_m
+    start = random.uniform(0.0, min(span_m, MOST_DRIVEN_M)) / model.counter_resolution_m
+    counts = np.floor(start + gone_m / model.counter_resolution_m) % 2.0**model.counter_bits
+    distances_m: Floats = counts * model.counter_resolution_m
+    return distances_m
 
 
 def _reverse(journey: Journey, instants_s: Floats) -> NDArray[np.bool_]:

@@ -51,9 +51,9 @@ class TorqueModel(Strict, frozen=True, kw_only=True):
     """Gear, its ratio, clutch and brake are on the bus; OBD-II has none of them."""
     slope_reported: bool = False
     """The vehicle reports a slope of its own (papers/004), +13 % while braking."""
-    slope_speed_noise_mps: NotNegative = 0.01
+    slope_speed_noise_mps: NotNegative = 0.005
     """White noise of the wheel speed that this slope's acceleration is made of; judgement."""
-    slope_filter_s: Positive = 1.0
+    slope_filter_s: Positive = 0.5
     """Time constant of the slope's low-pass; judgement: papers/004 does not say."""
     slope_resolution_pct: Positive = 0.1
     """Judgement: papers/004 does not say."""
