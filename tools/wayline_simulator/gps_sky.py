@@ -17,7 +17,7 @@ VIEW_STEP_S = 1.0
 STRENGTH_LOW_DBHZ, STRENGTH_RISE_DBHZ = 29.0, 17.0
 """Carrier to noise at the horizon, and how much more at the zenith: 46 dB-Hz there is usual of a
 patch antenna, less at the horizon of one behind a windscreen (as in Munich's GSV sentences)."""
-USE_DBHZ, LOSE_DBHZ = 31.0, 27.0
+USE_DBHZ, LOSE_DBHZ = 30.0, 25.0
 """A signal is used from the first on until it falls below the second, so that the set does not
 flicker. A judgement: receivers track down to 20 dB-Hz but weigh such signals to nothing."""
 HEARD_DBHZ = 15.0
@@ -54,9 +54,9 @@ class Scene(NamedTuple):
 
 SCENES = {
     Surroundings.OPEN: Scene(),
-    Surroundings.TREES: Scene(canopy_db=4.0, fading_db=4.0, end_deg=5.0),
-    Surroundings.STREET: Scene(height_m=8.0, end_deg=8.0, fading_db=2.5),
-    Surroundings.CANYON: Scene(height_m=20.0, end_deg=15.0, loss_db=17.0, fading_db=4.0),
+    Surroundings.TREES: Scene(canopy_db=2.5, fading_db=3.0, end_deg=5.0),
+    Surroundings.STREET: Scene(height_m=8.0, end_deg=8.0, loss_db=18.0, fading_db=2.5),
+    Surroundings.CANYON: Scene(height_m=20.0, end_deg=12.0, loss_db=12.0, fading_db=3.5),
 }
 CANOPY_SIN_MIN = 0.35
 """Lower rays leave the row of trees before they cross more leaves."""
