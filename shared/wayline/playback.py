@@ -39,6 +39,8 @@ Agree = Callable[[PlayClock], AbstractContextManager[PlayClock]]
 class Playback:
     """The recordings of one service, opened anew for each loop."""
 
+    can_wait = True
+
     def __init__(
         self,
         name: str,

@@ -52,6 +52,8 @@ class Feed(Protocol):
 
     name: str
     """Becomes the `source` of what it gives."""
+    can_wait: bool
+    """A recording waits for room in the inbox; what a live source says without room is dropped."""
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
         """Put inputs until told to stop; come back by itself when the device does."""
@@ -224,6 +226,9 @@ class Loop:
 
         def put(message: msgspec.Struct) -> None:
             item = Raw(vehicle_id, feed.name, message, time.time_ns())
+            if not feed.can_wait:
+                self._inbox.put(item)
+                return
             while not self._inbox.put_waiting(item, POLL_S) and not self._ended.is_set():
                 pass
 

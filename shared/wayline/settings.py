@@ -41,8 +41,8 @@ class LiveNmea(Strict, frozen=True, kw_only=True):
 
     url: Annotated[str, Meta(pattern=r"^(serial|tcp|udp|gpsd)://")]
     """serial:///dev/ttyUSB0, tcp://host:port, udp://:port or gpsd://host:2947"""
-    baud: Annotated[int, Meta(gt=0)] = 9600
-    """Of a serial line."""
+    baud: Annotated[int, Meta(gt=0)] | None = None
+    """Of a serial line; found by itself where it is not given."""
 
 
 class LiveCan(CanMapping, frozen=True, kw_only=True):

@@ -18,6 +18,8 @@ RETRY_S = (0.2, 0.5, 1.0, 2.0)
 class Interface:
     """One bus as a feed of frames."""
 
+    can_wait = False
+
     def __init__(self, name: str, source: LiveCan) -> None:
         self.name = name
         self._source = source

@@ -1,163 +1,98 @@
-"""Live receivers by URL: a serial line, a TCP or UDP peer, gpsd. Each comes back by itself."""
+"""Live receivers as feeds. Each comes back by itself, however its link or device went."""
 
-import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
-from typing import Protocol
-from urllib.parse import urlsplit
+from collections.abc import Callable, Mapping
 
 import msgspec
-import serial
 
-from wayline.errors import InputError
-from wayline.framing import split_sentences
-from wayline.inputs import Sentence
 from wayline.settings import LiveNmea
+from wayline_gps_ingest.condition import Condition
+from wayline_gps_ingest.links import Link, address_of
 
-READ_S = 0.2
-SILENT_S = 5.0
-"""A stream peer that says nothing this long is taken for dead and called again."""
-RETRY_S = (0.2, 0.5, 1.0, 2.0)
-LONGEST_LINE = 4096
-WATCH = b'?WATCH={"enable":true,"nmea":true};\n'
-"""Asks gpsd to pass the receiver's sentences on."""
-
-
-class Link(Protocol):
-    """Where bytes come from."""
-
-    def read(self) -> bytes:
-        """What has come within `READ_S`; empty for nothing. Raises OSError at its end."""
-        ...
+RETRY_S = (0.1, 0.2, 0.5)
+"""Between attempts to connect. The last goes on: soon enough for fixes within 2 s of a return,
+when the receiver itself takes one of them."""
 
 
 class Receiver:
-    """One receiver as a feed of sentences."""
+    """One receiver as a feed of lines."""
+
+    can_wait = False
 
     def __init__(self, name: str, source: LiveNmea) -> None:
         self.name = name
-        self._source = source
-        self._open = opener(source)
-        self._state = "not connected yet"
-        self._heard_s: float | None = None
+        self._url = source.url
+        self.is_gpsd = source.url.startswith("gpsd:")
+        self._address = address_of(source)
+        self._link: Link | None = None
+        self._error = "not tried yet"
+        self._connections = 0
+        self._byte_s: float | None = None
+        self._sentence_s: float | None = None
+        self._fix_s: float | None = None
+        self.faults: Callable[[], Mapping[str, int]] = dict
+        """What its core has counted and dropped, by reason."""
+
+    def fixed(self) -> None:
+        """Take note of a valid fix that was made of its sentences."""
+        self._fix_s = time.monotonic()
+
+    @property
+    def condition(self) -> Condition:
+        """How it does now."""
+        link = self._link
+        now_s = time.monotonic()
+
+        def age_s(then_s: float | None) -> float | None:
+            return None if then_s is None else max(now_s - then_s, 0.0)
+
+        return Condition(
+            url=self._url,
+            link_error=self._error if link is None else None,
+            note=None if link is None else link.note,
+            byte_age_s=age_s(self._byte_s),
+            sentence_age_s=age_s(self._sentence_s),
+            fix_age_s=age_s(self._fix_s),
+            reconnections=max(self._connections - 1, 0),
+            faults=self.faults(),
+        )
 
     @property
     def detail(self) -> str:
-        """State of the link and age of the last sentence."""
-        heard = self._heard_s
-        age = "never" if heard is None else f"{time.monotonic() - heard:.0f} s ago"
-        return f"{self._source.url}: {self._state}, last sentence {age}"
+        """How it does, for `health`."""
+        return self.condition.text
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
-        """Read until told to stop; after a failure connect again, soon and then every 2 s."""
+        """Read until told to stop; connect again whenever the link ends or falls silent."""
         failures = 0
         while not stop.is_set():
             try:
-                with self._open() as link:
-                    self._state = "connected"
+                with self._address.open() as link:
+                    self._link = link
+                    self._connections += 1
                     if self._read(link, put, stop):
                         failures = 0
             except OSError as error:
-                self._state = f"disconnected ({error})"
+                self._error = error.strerror or str(error)
+            finally:
+                self._link = None
             stop.wait(RETRY_S[min(failures, len(RETRY_S) - 1)])
             failures += 1
 
     def _read(
         self, link: Link, put: Callable[[msgspec.Struct], None], stop: threading.Event
     ) -> bool:
-        """Whether anything was heard before the link ended or fell silent."""
-        rest = b""
-        heard = False
-        last_s = time.monotonic()
-        while not stop.is_set() and time.monotonic() - last_s < SILENT_S:
-            chunk = link.read()
-            if not chunk:
+        """Whether anything was heard before the link fell silent. Raises OSError at its end."""
+        opened_s = last_s = time.monotonic()
+        while not stop.is_set() and time.monotonic() - last_s < link.patience_s:
+            heard = link.read()
+            if not heard.size_bytes:
                 continue
-            last_s = time.monotonic()
-            heard = True
-            *lines, rest = (rest + chunk).replace(b"\r", b"\n").split(b"\n")
-            rest = rest[-LONGEST_LINE:]
+            self._byte_s = last_s = time.monotonic()
             arrival_ns = time.time_ns()
-            for line in filter(None, lines):
-                for sentence in split_sentences(line.decode("latin-1")):
-                    self._heard_s = last_s
-                    put(Sentence(arrival_ns, sentence))
-        self._state = "silent"
-        return heard
-
-
-Opener = Callable[[], AbstractContextManager[Link]]
-
-
-def opener(source: LiveNmea) -> Opener:
-    """How to open a receiver's link. Raises InputError for a URL that lacks something."""
-    parts = urlsplit(source.url)
-    if parts.scheme == "serial":
-        if not parts.path.strip("/"):
-            raise InputError(source.url, "names no device", "give serial:///dev/ttyUSB0")
-        return lambda: _serial(parts.path, source.baud)
-    try:
-        port = parts.port
-    except ValueError:
-        port = None
-    if port is None or (parts.scheme != "udp" and not parts.hostname):
-        example = "udp://:10110" if parts.scheme == "udp" else f"{parts.scheme}://host:2947"
-        raise InputError(source.url, "lacks a host or a port", f"give e.g. {example}")
-    host = parts.hostname or "127.0.0.1"
-    if parts.scheme == "udp":
-        return lambda: _udp(host, port)
-    return lambda: _tcp(host, port, WATCH if parts.scheme == "gpsd" else b"")
-
-
-class SerialLink:
-    """A serial line."""
-
-    def __init__(self, line: serial.Serial) -> None:
-        self._line = line
-
-    def read(self) -> bytes:
-        """What is there, else the first byte that comes."""
-        return bytes(self._line.read(max(1, self._line.in_waiting)))
-
-
-class SocketLink:
-    """A connected or bound socket."""
-
-    def __init__(self, peer: socket.socket, *, stream: bool) -> None:
-        self._peer = peer
-        self._stream = stream
-
-    def read(self) -> bytes:
-        """The next bytes or datagram."""
-        try:
-            chunk = self._peer.recv(65_536)
-        except TimeoutError:
-            return b""
-        if not chunk and self._stream:
-            raise OSError("the peer hung up")
-        return chunk if self._stream else chunk + b"\n"
-
-
-@contextmanager
-def _serial(device: str, baud: int) -> Iterator[Link]:
-    with serial.Serial(device, baud, timeout=READ_S) as line:
-        yield SerialLink(line)
-
-
-@contextmanager
-def _tcp(host: str, port: int, greeting: bytes) -> Iterator[Link]:
-    with socket.create_connection((host, port), timeout=2.0) as peer:
-        peer.settimeout(READ_S)
-        peer.sendall(greeting)
-        yield SocketLink(peer, stream=True)
-
-
-@contextmanager
-def _udp(host: str, port: int) -> Iterator[Link]:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as peer:
-        peer.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        peer.bind((host, port))
-        peer.settimeout(READ_S)
-        yield SocketLink(peer, stream=False)
+            for line in heard.lines:
+                self._sentence_s = last_s
+                put(self._address.line(arrival_ns, line))
+        self._error = "silent"
+        return last_s > opened_s

@@ -72,6 +72,7 @@ class Given:
 
     name = "echo-2"
     detail = "given"
+    can_wait = True
 
     def __init__(self, run: Callable[[Callable[[msgspec.Struct], None]], None]) -> None:
         self._run = run
