@@ -14,7 +14,8 @@ from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
 from wayline_gps_ingest.parsing import parse
 from wayline_gps_ingest.reports import fix_of_report
-from wayline_gps_ingest.timeline import SteadyClock, Timeline, nearest_ns
+from wayline_gps_ingest.steady_clock import SteadyClock
+from wayline_gps_ingest.timeline import Timeline, nearest_ns
 from wayline_gps_ingest.waiting import WaitingRoom
 
 WAIT_NS = SECOND_NS
@@ -122,7 +123,7 @@ class GpsIngestCore:
         fix = epoch.fix(0)
         # without a fix a receiver's date is its own clock's, which may be decades off
         day = epoch.facts.get("date") if fix.valid else None
-        raw_ns = self._timeline.instant_ns(epoch.time_ns, day)
+        raw_ns = self._timeline.instant_ns(epoch.time_ns, day, self._arrival_ns)
         if raw_ns is None:
             self._waiting.hold(epoch)
             return []

@@ -1,5 +1,7 @@
 """Pure: which sentences make an epoch, and when it is complete."""
 
+from dataclasses import dataclass
+
 from wayline_gps_ingest.decode import Observation
 from wayline_gps_ingest.epoch import POSITION_KINDS, Epoch
 
@@ -7,20 +9,50 @@ SAME_TIME_NS = 5_000_000
 """Times this near are one instant, told with more decimals by one sentence than by another."""
 
 
+ENDINGS_MAX = 16
+"""More ways to begin a cycle than a receiver has; noise must not fill memory."""
+
+
+@dataclass(slots=True)
+class Ending:
+    """How the cycles that begin with one sentence end, as far as it is known."""
+
+    last: str = ""
+    """The sentence that ended two in a row."""
+    candidate: str = ""
+    timed: frozenset[str] = frozenset()
+    """The timed sentences of the last one."""
+    needed: frozenset[str] = frozenset()
+    """Those that the last two shared."""
+
+    def learn(self, latest: str, timed_keys: frozenset[str]) -> None:
+        """Take in a cycle that the next one's first sentence has ended."""
+        if latest == self.candidate:
+            self.last = latest
+        self.candidate = latest
+        self.needed = self.timed & timed_keys
+        self.timed = timed_keys
+
+
 class SentenceOrder:
     """Learns how a receiver's cycle ends: with the sentence that ended the last two.
 
     Receivers leave sentences out of some cycles, so the end counts only when the timed sentences
-    that the last two cycles shared have come.
+    that the last two cycles shared have come. Some send two cycles in turn, each with a time of
+    its own, so the end is learned for each timed sentence that begins one.
     """
 
     def __init__(self) -> None:
+        self._endings: dict[str, Ending] = {}
+        self._ending = Ending()
         self._seen: dict[str, int] = {}
         self._latest = ""
-        self._candidate = ""
-        self._last = ""
-        self._timed: set[str] = set()
-        self._needed: set[str] = set()
+
+    def begin(self, key: str) -> None:
+        """A cycle's first timed sentence."""
+        if len(self._endings) > ENDINGS_MAX:
+            self._endings.clear()
+        self._ending = self._endings.setdefault(key, Ending())
 
     def note(self, key: str) -> None:
         """A sentence of the current cycle; the second of a key is told from the first."""
@@ -29,15 +61,11 @@ class SentenceOrder:
 
     def at_end(self, timed_keys: set[str]) -> bool:
         """Whether the latest sentence ends a cycle in which these timed sentences came."""
-        return self._latest == self._last and self._needed <= timed_keys
+        return self._latest == self._ending.last and self._ending.needed <= timed_keys
 
     def end_cycle(self, timed_keys: set[str]) -> None:
         """Learn from a cycle that the next one's first sentence has ended."""
-        if self._latest == self._candidate:
-            self._last = self._latest
-        self._candidate = self._latest
-        self._needed = self._timed & timed_keys
-        self._timed = timed_keys
+        self._ending.learn(self._latest, frozenset(timed_keys))
         self.skip_cycle()
 
     def skip_cycle(self) -> None:
@@ -47,7 +75,7 @@ class SentenceOrder:
 
     def forget(self) -> None:
         """A cycle went on after what was taken for its end."""
-        self._last = self._candidate = ""
+        self._ending.last = self._ending.candidate = ""
 
 
 class EpochAssembler:
@@ -114,6 +142,7 @@ class EpochAssembler:
             if observation.time_ns is None:
                 return self._ahead
             self._first, self._ahead = self._ahead, Epoch()
+            self._order.begin(observation.key)
             return self._first
         if self._second:
             return self._second

@@ -1,12 +1,16 @@
 """Days come from the receiver or the drive file, never from today, and time does not go back."""
 
 import datetime as dt
+from itertools import accumulate, pairwise
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from unit.gps_ingest.receiver import fixes, flush, gga, hear, line, rmc
 from wayline_gps_ingest.core import GpsIngestCore
-from wayline_gps_ingest.timeline import SECOND_NS, SteadyClock
+from wayline_gps_ingest.steady_clock import SteadyClock
+from wayline_gps_ingest.timeline import SECOND_NS
 
 
 def instant_ns(text: str) -> int:
@@ -93,12 +97,12 @@ def test_a_log_that_never_has_a_fix_is_published_with_its_own_dates() -> None:
 
 
 def test_a_leap_second_learned_steps_back_without_an_output_going_back() -> None:
-    """Recorded in munich.nmea at 12:43:42."""
+    """Recorded in munich.nmea at 12:43:42: every fix goes out, none after the step is ahead."""
     core = GpsIngestCore()
     times = ("124341", "124342", "124341", "124342", "124343", "124344")
     out = fixes(hear(core, [rmc(time) for time in times]) + flush(core))
-    seconds = [fix.t_ns // SECOND_NS % 60 for fix in out]
-    assert seconds == [41, 42, 43, 44]
+    seconds = [fix.t_ns / SECOND_NS % 60 for fix in out]
+    assert seconds == pytest.approx([41, 42, 42 + 1 / 3, 42 + 2 / 3, 43, 44], abs=1e-6)
     assert core.faults == {"clock": 2}
 
 
@@ -130,6 +134,27 @@ def test_a_clock_that_steps_far_back_is_moved_on_until_it_returns() -> None:
     assert clock.faults == 2
 
 
+@given(
+    st.lists(st.integers(1, 30), min_size=1, max_size=20),
+    st.integers(1, 200),
+    st.lists(st.integers(1, 30), max_size=300),
+)
+def test_a_small_step_back_keeps_every_fix_in_order_and_is_caught_up(
+    before: list[int], back: int, after: list[int]
+) -> None:
+    """Tenths of seconds: whatever the rates and the step, instants rise, and end as the clock's."""
+    tenth_ns = SECOND_NS // 10
+    raw = [10**9, *accumulate(before, initial=10**9 + 1)]
+    raw += list(accumulate(after, initial=raw[-1] - back))
+    clock = SteadyClock()
+    out = [clock.fixed_ns(tenths * tenth_ns) for tenths in raw]
+    told = [t_ns for t_ns in out if t_ns is not None]
+    assert len(told) >= len(raw) - 1  # the very instant told before is not told again
+    assert all(first < second for first, second in pairwise(told))
+    if raw[-1] * tenth_ns >= max(raw[: len(before) + 2]) * tenth_ns + SECOND_NS:
+        assert out[-1] == raw[-1] * tenth_ns
+
+
 @pytest.mark.parametrize("raw_ns", [-1, 0, 3601 * SECOND_NS])
 def test_an_epoch_without_a_fix_never_moves_time_far(raw_ns: int) -> None:
     clock = SteadyClock()
@@ -142,3 +167,35 @@ def test_zda_dates_a_receiver_without_rmc() -> None:
     zda = line("GPZDA,120000,04,07,2012,,")
     (fix,) = fixes(hear(core, [gga("120000"), zda]) + flush(core))
     assert fix.t_ns == instant_ns("2012-07-04 12:00:00")
+
+
+ERA = dt.timedelta(weeks=1024)
+MONDAY = dt.date(2026, 11, 23)
+
+
+def test_a_week_counter_that_rolled_over_is_put_right_by_the_time_of_arrival() -> None:
+    core = GpsIngestCore()
+    date = f"{MONDAY - ERA:%d%m%y}"
+    out = fixes(hear(core, [rmc("120000", date=date)], instant_ns("2026-11-23 12:00:00") + 5))
+    assert [fix.t_ns for fix in out + fixes(flush(core))] == [instant_ns("2026-11-23 12:00:00")]
+    assert core.bad_input == 0
+
+
+@pytest.mark.parametrize("arrival", ["2026-11-25 12:00:00", "1970-01-01 00:00:00"])
+def test_a_date_that_is_not_whole_eras_old_is_believed(arrival: str) -> None:
+    """An old log played today, and a computer that does not know the time."""
+    core = GpsIngestCore()
+    date = MONDAY - ERA
+    hear(core, [rmc("120000", date=f"{date:%d%m%y}")], instant_ns(arrival))
+    (fix,) = fixes(flush(core))
+    assert fix.t_ns == instant_ns(f"{date} 12:00:00")
+
+
+def test_a_week_counter_that_rolls_over_in_the_middle_of_a_log_is_followed() -> None:
+    """As on 2019-04-06 at 23:59:42, the second end of a GPS era."""
+    core = GpsIngestCore()
+    texts = [rmc("235941", date="060419"), rmc("235942", date="060419")]
+    texts += [rmc("235943", date="210899"), rmc("235944", date="210899")]
+    out = fixes(hear(core, texts) + flush(core))
+    assert [fix.t_ns - out[0].t_ns for fix in out] == [n * SECOND_NS for n in range(4)]
+    assert core.bad_input == 0

@@ -1,6 +1,7 @@
 """Recorded drives with their known faults."""
 
 import datetime as dt
+from collections import Counter
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -14,16 +15,18 @@ from wayline_gps_ingest.core import GpsIngestCore
 SHUTTLE = Path(__file__).parents[3] / "deploy" / "demo" / "avl-shuttle" / "gps.nmea"
 
 
-def test_munich_keeps_every_fix_but_those_of_the_second_that_came_twice(
+def test_munich_keeps_every_fix_though_its_clock_goes_back(
     recorded: Callable[[str], Path],
 ) -> None:
-    """1847 fixes and 20 epochs without; at 12:43:42 the clock goes back for two of them."""
+    """1847 fixes and 20 epochs without; at 12:43:42 two seconds come twice."""
     core, messages = replay(recorded("nmea") / "munich.nmea")
     out = fixes(messages)
-    assert sum(fix.valid for fix in out) == 1847 - 2
+    assert sum(fix.valid for fix in out) == 1847
     assert sum(not fix.valid for fix in out) == 20
     assert core.faults == {"clock": 2}
-    assert {second.t_ns - first.t_ns for first, second in pairwise(out)} == {10**9}
+    steps_ns = Counter(second.t_ns - first.t_ns for first, second in pairwise(out))
+    assert min(steps_ns) > 0
+    assert steps_ns[10**9] == len(out) - 1 - 3
     assert max(fix.speed_mps for fix in out if fix.speed_mps) == pytest.approx(17.3, abs=0.1)
     assert sum(fix.valid and fix.pdop is not None and fix.pdop > 8.0 for fix in out) > 0
 
