@@ -59,7 +59,7 @@ class Estimates:
         within_s = np.minimum(times_s, known_s[-1])
 
         def between(values: Floats) -> Floats:
-            return np.interp(within_s, known_s, values[rows], left=np.nan)
+            return np.asarray(np.interp(within_s, known_s, values[rows], left=np.nan))
 
         last = rows[np.clip(np.searchsorted(known_s, within_s, "right") - 1, 0, len(rows) - 1)]
         return Estimates(

@@ -42,5 +42,5 @@ class Grid:
         return convergence
 
     def _projection(self) -> Proj:
-        place = {"lat_0": self.lat_deg, "lon_0": self.lon_deg}
-        return Proj(proj="tmerc", ellps="WGS84", k_0=1.0, **place)
+        place = f"+lat_0={self.lat_deg!r} +lon_0={self.lon_deg!r}"
+        return Proj(f"+proj=tmerc +ellps=WGS84 +k_0=1 {place}")
