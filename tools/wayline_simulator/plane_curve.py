@@ -16,6 +16,9 @@ CORNER_DEG = 20.0
 """From here on a vertex is a corner and no sample of a bend."""
 CORNER_REACH_M = 12.0
 """Beyond which a corner does not bend its legs."""
+BEND_REACH_M = 40.0
+"""On a leg of more than twice this the line is straight but so near its ends: a chord of a bend
+drawn with such vertices would be far off the road."""
 THIN_M = 4.0
 """Points nearer together than this say more about a receiver's noise than about the road."""
 SMOOTH_M = 4.0
@@ -120,7 +123,10 @@ def _spline(knots: Knots, at_m: Floats) -> Floats:
     headings_rad = np.arctan2(np.diff(knots.east_m), np.diff(knots.north_m))
     turns_rad = np.abs(np.angle(np.exp(1j * np.diff(headings_rad))))
     corners_m = along_m[1:-1][turns_rad > math.radians(CORNER_DEG)]
-    helpers_m = (corners_m[:, None] + CORNER_REACH_M * np.array([-1.0, -0.5, 0.5, 1.0])).ravel()
+    corner_helpers_m = corners_m[:, None] + CORNER_REACH_M * np.array([-1.0, -0.5, 0.5, 1.0])
+    long = np.diff(along_m) > 2.0 * BEND_REACH_M
+    ends_m = (along_m[:-1][long] + BEND_REACH_M, along_m[1:][long] - BEND_REACH_M)
+    helpers_m = np.concatenate((corner_helpers_m.ravel(), *ends_m))
     inside = (helpers_m > along_m[0]) & (helpers_m < along_m[-1])
     all_m = np.sort(np.concatenate((along_m, helpers_m[inside])))
     all_m = all_m[np.diff(all_m, prepend=-np.inf) > 1e-3]
@@ -145,9 +151,8 @@ def _rounded(line_m: Floats, step_m: float) -> Floats:
 
 
 def _curvature(line_m: Floats) -> Floats:
-    """Of a line of points, positive to the right."""
-    first = np.gradient(line_m, axis=0)
-    second = np.gradient(first, axis=0)
-    cross = first[:, 1] * second[:, 0] - first[:, 0] * second[:, 1]
-    bent: Floats = cross / np.maximum(np.hypot(first[:, 0], first[:, 1]), 1e-9) ** 3
-    return bent
+    """At the points of a line, positive to the right; a point where it doubles back is a turn."""
+    chords = np.diff(line_m[:, 1] + 1j * line_m[:, 0])
+    turns_rad = np.angle(chords[1:] * np.conj(chords[:-1]))
+    lengths_m = (np.abs(chords[1:]) + np.abs(chords[:-1])) / 2.0
+    return np.pad(turns_rad / np.maximum(lengths_m, 1e-9), 1)
