@@ -34,7 +34,7 @@ class Accuracy(msgspec.Struct, frozen=True, kw_only=True):
     """Of one filter."""
 
     missing_share: float
-    """Poses without a position."""
+    """Instants with a reference, but without a position."""
     parts: dict[Part, PartAccuracy]
 
 
@@ -64,7 +64,6 @@ class ScoredDrive:
     drive: str
     reference: Kind
     errors: Mapping[str, PoseErrors]
-    missing_share: Mapping[str, float]
 
 
 def accuracy_report(drives: Sequence[ScoredDrive]) -> AccuracyReport:
@@ -74,21 +73,17 @@ def accuracy_report(drives: Sequence[ScoredDrive]) -> AccuracyReport:
         drive="pooled",
         reference=drives[0].reference,
         errors={name: pooled([each.errors[name] for each in drives]) for name in names},
-        missing_share={name: _pooled_missing(drives, name) for name in names},
     )
     return AccuracyReport(
         drives=tuple(_drive_accuracy(each) for each in drives), pooled=_drive_accuracy(everything)
     )
 
 
-def _pooled_missing(drives: Sequence[ScoredDrive], name: str) -> float:
-    counts = [len(each.errors[name].times_s) for each in drives]
-    return float(np.average([each.missing_share[name] for each in drives], weights=counts))
-
-
 def _drive_accuracy(scored: ScoredDrive) -> DriveAccuracy:
     filters = {
-        name: Accuracy(missing_share=scored.missing_share[name], parts=_parts(errors))
+        name: Accuracy(
+            missing_share=float(np.mean(np.isnan(errors.horizontal_m))), parts=_parts(errors)
+        )
         for name, errors in scored.errors.items()
     }
     return DriveAccuracy(

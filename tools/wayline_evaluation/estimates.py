@@ -46,11 +46,6 @@ class Estimates:
     grade_stds_pct: Floats
     dead_reckoning: NDArray[np.bool_]
 
-    @property
-    def missing_share(self) -> float:
-        """Share of poses without a position."""
-        return float(np.mean(np.isnan(self.lats_deg))) if len(self.times_s) else 1.0
-
     def at(self, times_s: Floats) -> "Estimates":
         """Between the poses that have a position; the last one holds, before the first is nan."""
         located = ~np.isnan(self.lats_deg)

@@ -16,7 +16,7 @@ from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Pose, T
 from wayline_cli.replay import replay
 from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates, estimates_of
-from wayline_evaluation.reference import Reference
+from wayline_evaluation.reference import Kind, Reference
 from wayline_evaluation.truth import read_truth
 
 Progressed = Callable[[int, int], None]
@@ -27,6 +27,21 @@ HEAD_ROWS = 1_000
 MessageType = TypeVar("MessageType", bound=Message)
 Job = TypeVar("Job")
 Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What all studies can be asked for."""
+
+    out: Path | None = None
+    """Keep the replays there, in a folder each."""
+    jobs: int = 1
+    """Processes at a time."""
+    yardstick: bool = False
+
+    def keep(self, folder: Path, part: str = "") -> Path | None:
+        """Where a replay of a drive is kept."""
+        return None if self.out is None else self.out / drive_name(folder) / part
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +113,14 @@ def needed_truth(folder: Path) -> Reference:
 def drive_name(folder: Path) -> str:
     """What a drive is called in tables."""
     return (folder.parent if folder.suffix == ".toml" else folder).resolve().name
+
+
+def one_kind(references: Sequence[Kind]) -> Kind:
+    """The kind of reference that all drives have: pooled figures mean one thing."""
+    if len(set(references)) > 1:
+        mend = "evaluate drives with a truth apart from those without"
+        raise InputError("drives", "some have a truth and some have none", mend)
+    return references[0]
 
 
 def done_by(

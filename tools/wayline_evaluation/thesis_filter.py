@@ -97,6 +97,11 @@ def thesis_slopes_pct(
     return slopes_pct
 
 
+def seconds_of(sensed: Sensed) -> Floats:
+    """Instants of the filter over a drive."""
+    return np.arange(np.ceil(sensed.start_s), sensed.end_s, STEP_S)
+
+
 def mean_speeds_mps(sensed: Sensed, times_s: Floats) -> Floats:
     """Wheel speed over the second after each instant."""
     driven_m = integral(sensed.speed_mps, np.append(times_s, times_s[-1] + STEP_S))

@@ -1,0 +1,167 @@
+"""The commands of `wayline evaluate`.
+
+Each imports what it needs when it runs, so that `--help` answers at once.
+"""
+# ruff: noqa: PLC0415
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from wayline.errors import InputError
+
+if TYPE_CHECKING:
+    import msgspec
+    from rich.table import Table
+
+    from wayline_cli.stream import Outage
+
+evaluate_app = typer.Typer(
+    help="Studies of how good estimates are, on any drives.", no_args_is_help=True
+)
+
+Drives = Annotated[list[Path], typer.Argument(help="Drives' folders (with drive.toml).")]
+Out = Annotated[Path | None, typer.Option(help="Keep the replays in this folder.")]
+Json = Annotated[Path | None, typer.Option("--json", help="File for programs to read.")]
+Plot = Annotated[Path | None, typer.Option(metavar="FILE.png", help="Picture to write.")]
+Jobs = Annotated[int, typer.Option(min=1, help="Replays at a time.")]
+Yardstick = Annotated[
+    bool,
+    typer.Option("--yardstick", help="Compare with a filter that is told a simulation's noise."),
+]
+
+
+@evaluate_app.command("accuracy")
+def accuracy_command(
+    drives: Drives,
+    *,
+    gps_outage: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="START_S:LENGTH_S",
+            help="Take GPS away for a while, counted from the drive's start; may be repeated.",
+        ),
+    ] = None,
+    out: Out = None,
+    json: Json = None,
+    plot: Plot = None,
+    jobs: Jobs = 1,
+    yardstick: Yardstick = False,
+) -> None:
+    """Errors of all poses against the truth, or the recorded fixes where there is none."""
+    from wayline_evaluation.accuracy_study import accuracy_study
+    from wayline_evaluation.plots import plot_accuracy
+    from wayline_evaluation.replays import Options
+    from wayline_evaluation.tables import accuracy_tables
+
+    outages = [_outage(text) for text in gps_outage or []]
+    with _progress() as progressed:
+        options = Options(out=out, jobs=jobs, yardstick=yardstick)
+        report, scored = accuracy_study(drives, outages, options, progressed)
+    _tell(accuracy_tables(report), report, json)
+    if plot is not None:
+        plot_accuracy(scored, plot)
+
+
+@evaluate_app.command("outages")
+def outages_command(
+    drives: Drives,
+    *,
+    length: Annotated[
+        list[float] | None, typer.Option(help="Seconds without GPS [default: 60]; may be repeated.")
+    ] = None,
+    every: Annotated[
+        float | None, typer.Option(help="Seconds from outage to outage [default: length + 120].")
+    ] = None,
+    start: Annotated[float, typer.Option(min=0.0, help="Seconds before the first.")] = 240.0,
+    passes: Annotated[
+        int, typer.Option(min=1, help="Replays of a drive, outages moved on each time.")
+    ] = 1,
+    out: Out = None,
+    json: Json = None,
+    plot: Plot = None,
+    jobs: Jobs = 1,
+    yardstick: Yardstick = False,
+) -> None:
+    """Errors at the end of outages of GPS, as papers/001 lists them."""
+    from wayline_evaluation.outage_study import Plan, outage_study
+    from wayline_evaluation.plots import plot_outages
+    from wayline_evaluation.replays import Options
+    from wayline_evaluation.tables import outage_tables
+
+    lengths_s = tuple(length or (60.0,))
+    if min(lengths_s) <= 0.0:
+        raise InputError("--length", f"{min(lengths_s):g} s is no outage", "give more than 0")
+    plan = Plan(lengths_s=lengths_s, every_s=every, start_s=start, passes=passes)
+    with _progress() as progressed:
+        options = Options(out=out, jobs=jobs, yardstick=yardstick)
+        report = outage_study(drives, plan, options, progressed)
+    _tell(outage_tables(report), report, json)
+    if plot is not None:
+        plot_outages(report, plot)
+
+
+@evaluate_app.command("slope")
+def slope_command(
+    drives: Drives,
+    *,
+    out: Out = None,
+    json: Json = None,
+    plot: Plot = None,
+    jobs: Jobs = 1,
+    yardstick: Yardstick = False,
+) -> None:
+    """Grade from each sensor alone (papers/004) and from fusion, on runs of one road."""
+    from wayline_evaluation.plots import plot_slope
+    from wayline_evaluation.replays import Options
+    from wayline_evaluation.slope_study import slope_study
+    from wayline_evaluation.tables import slope_tables
+
+    with _progress() as progressed:
+        options = Options(out=out, jobs=jobs, yardstick=yardstick)
+        report, profiles = slope_study(drives, options, progressed)
+    _tell(slope_tables(report), report, json)
+    if plot is not None:
+        plot_slope(profiles, plot)
+
+
+def _outage(text: str) -> "Outage":
+    from wayline_cli.__main__ import parse_outage
+
+    return parse_outage(text)
+
+
+def _tell(tables: "Iterable[Table]", report: "msgspec.Struct", json: Path | None) -> None:
+    from msgspec import json as codec
+
+    console = Console()
+    for table in tables:
+        console.print(table)
+        console.print()
+    if json is not None:
+        try:
+            json.write_bytes(codec.format(codec.encode(report), indent=2) + b"\n")
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise InputError("--json", reason, "name a file that can be written") from None
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """How many replays are done, on a terminal."""
+    console = Console(stderr=True)
+    columns = (TextColumn("replays"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task("replays")
+
+        def progressed(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+
+        yield progressed
