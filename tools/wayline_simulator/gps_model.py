@@ -24,20 +24,21 @@ class GpsModel(Strict, frozen=True, kw_only=True):
     rate_hz: Rate = 1.0
     systems: Annotated[tuple[System, ...], Meta(min_length=1)] = ("gps", "glonass")
     """Usual since u-blox M8 (data sheet: concurrent reception); Munich's hears GPS alone."""
-    position_white_std_m: NotNegative = 0.1
-    """Receivers filter: third differences of positions give 0.04 m (css-164), 0.12 m (Munich, at
-    an HDOP of 2.4 and rounded to 0.19 m)."""
-    position_wander_std_m: NotNegative = 1.5
+    position_white_std_m: NotNegative = 0.05
+    """Receivers filter: third differences of positions give 0.04 m (css-164) and 0.12 m (Munich, at
+    an HDOP of 2.4), the vehicle's own jerk and the rounding included."""
+    position_wander_std_m: NotNegative = 2.0
     """Of a first-order Gauss-Markov error: satellites' orbits and clocks, the air, reflections.
-    Gives 50 % of fixes within 1.8 m at a dilution of 1; data sheet of u-blox M8: 2.5 m CEP."""
+    Under an open sky (HDOP 0.6) half of the fixes are within 1.5 m; data sheet of u-blox M8: 2.5 m
+    CEP, the slow error of a whole day included; css-164 reports a std of 1 m."""
     position_wander_time_s: Positive = 120.0
     """A judgement between reflections (tens of seconds) and the air (tens of minutes); css-164
-    drifts by 0.4 to 0.7 m (std) within 13 to 21 s of standing, this by 0.4."""
-    altitude_white_std_m: NotNegative = 0.15
-    """css-164: 0.07 m by third differences; Munich 0.13 m in steps of 0.1 m."""
-    altitude_wander_std_m: NotNegative = 2.0
-    """On top, VDOP is 1.2 to 1.6 times HDOP; the whole is about twice the horizontal error, which
-    is the usual rule; papers/004 section 3.1 speaks of 3 to 4 times."""
+    drifts by 0.4 to 0.7 m (std) within 13 to 21 s of standing, this by 0.2 to 0.5."""
+    altitude_white_std_m: NotNegative = 0.08
+    """css-164: 0.07 m by third differences, in steps of 0.1 m; Munich: 0.13 m at a VDOP of 3.9."""
+    altitude_wander_std_m: NotNegative = 2.5
+    """On top, VDOP is 1.3 to 1.6 times HDOP: the whole is about twice the error of a horizontal
+    axis, which is the usual rule; papers/004 section 3.1 speaks of 3 to 4 times."""
     altitude_wander_time_s: Positive = 120.0
     smoothing_time_s: NotNegative = 0.0
     """First-order lag of the altitude, truth and error alike: the filter inside the receiver of

@@ -14,9 +14,10 @@ Singles = NDArray[np.float32]
 
 VIEW_STEP_S = 1.0
 """Receivers weigh anew which satellites to use about once a second."""
-STRENGTH_LOW_DBHZ, STRENGTH_RISE_DBHZ = 29.0, 17.0
+STRENGTH_LOW_DBHZ, STRENGTH_RISE_DBHZ = 26.0, 20.0
 """Carrier to noise at the horizon, and how much more at the zenith: 46 dB-Hz there is usual of a
-patch antenna, less at the horizon of one behind a windscreen (as in Munich's GSV sentences)."""
+patch antenna, which hears little at the horizon. With two systems 18 satellites are used under an
+open sky, 12 among trees; css-164 uses 12 on average."""
 USE_DBHZ, LOSE_DBHZ = 30.0, 25.0
 """A signal is used from the first on until it falls below the second, so that the set does not
 flicker. A judgement: receivers track down to 20 dB-Hz but weigh such signals to nothing."""
@@ -48,7 +49,7 @@ class Scene(NamedTuple):
     """Of a signal behind a house: reflected ones come through."""
     canopy_db: float = 0.0
     """Of leaves, straight from below; more at an angle."""
-    fading_db: float = 1.5
+    fading_db: float = 2.0
     fading_time_s: float = 8.0
 
 

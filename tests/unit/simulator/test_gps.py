@@ -84,16 +84,16 @@ def test_a_late_receiver_describes_where_the_vehicle_was() -> None:
 
 
 def test_errors_have_the_given_std_and_memory() -> None:
-    """Over 20 h of a parked car: std per axis is the model's times the dilution, and after one
-    correlation time 1/e of it is left; 600 independent stretches bound both by 5 %."""
-    journey = drive(0.0, 72_000.0)
-    fixes = measured(journey, altitude_wander_time_s=60.0, position_wander_time_s=120.0)
+    """Over 10 h of a parked car: std per axis is the model's times the dilution, and after one
+    correlation time 1/e of it is left; 600 stretches of it bound the first by 8 %, the second by 0.1."""
+    journey = drive(0.0, 36_000.0)
+    fixes = measured(journey, altitude_wander_time_s=30.0, position_wander_time_s=60.0)
     east_m, north_m, up_m = offsets_m(journey, fixes)
     model = GpsModel()
     for error_m, dilution, wander_m, white_m, time_s in (
-        (east_m, fixes.hdop, model.position_wander_std_m, model.position_white_std_m, 120),
-        (north_m, fixes.hdop, model.position_wander_std_m, model.position_white_std_m, 120),
-        (up_m, fixes.vdop, model.altitude_wander_std_m, model.altitude_white_std_m, 60),
+        (east_m, fixes.hdop, model.position_wander_std_m, model.position_white_std_m, 60),
+        (north_m, fixes.hdop, model.position_wander_std_m, model.position_white_std_m, 60),
+        (up_m, fixes.vdop, model.altitude_wander_std_m, model.altitude_white_std_m, 30),
     ):
         one = error_m / dilution
         assert one.std() == pytest.approx(np.hypot(wander_m, white_m), rel=0.08)
@@ -102,9 +102,9 @@ def test_errors_have_the_given_std_and_memory() -> None:
 
 
 def test_reported_stds_are_the_true_ones() -> None:
-    """Errors over the receiver's own std have a mean square of 1, over 20 h within a tenth."""
-    journey = drive(0.0, 72_000.0)
-    fixes = measured(journey, position_wander_time_s=20.0, altitude_wander_time_s=20.0)
+    """Errors over the receiver's own std have a mean square of 1, over 10 h within a tenth."""
+    journey = drive(0.0, 36_000.0)
+    fixes = measured(journey, position_wander_time_s=10.0, altitude_wander_time_s=10.0)
     east_m, _, up_m = offsets_m(journey, fixes)
     assert np.mean((east_m / fixes.h_std_m) ** 2) == pytest.approx(1.0, abs=0.1)
     assert np.mean((up_m / fixes.v_std_m) ** 2) == pytest.approx(1.0, abs=0.1)
@@ -138,10 +138,10 @@ def test_an_outage_comes_on_schedule() -> None:
 def test_a_tunnel_blinds_and_the_sky_is_found_again_later() -> None:
     """100 s of tunnel, then some seconds more, exponentially distributed with the given mean."""
     journey = drive(15.0, 200.0, covered_m=(600.0, 2100.0))
-    blind_s = [np.sum(~measured(journey, seed=seed, reacquire_s=5.0).valid) for seed in range(200)]
-    # 200 draws of an exponential: mean 5 within 3 x 5 / sqrt(200), rounded to whole seconds
+    blind_s = [np.sum(~measured(journey, seed=seed, reacquire_s=5.0).valid) for seed in range(100)]
+    # 100 draws of an exponential: mean 5 within 3 x 5 / sqrt(100), rounded to whole seconds
     assert min(blind_s) >= 100
-    assert np.mean(blind_s) == pytest.approx(105.0, abs=1.1)
+    assert np.mean(blind_s) == pytest.approx(105.0, abs=1.6)
 
 
 def test_first_fixes_after_blindness_err_more_and_say_so() -> None:
@@ -149,11 +149,11 @@ def test_first_fixes_after_blindness_err_more_and_say_so() -> None:
     events = GpsEvents(outages=(Outage(start_s=100.0, length_s=60.0),))
     fields = CLEAN | {"reacquire_error_m": 12.0, "reacquire_error_time_s": 6.0}
     journey = drive(15.0, 300.0)
-    runs = [measured(journey, events, seed, **fields) for seed in range(200)]
+    runs = [measured(journey, events, seed, **fields) for seed in range(100)]
     errors_m = np.array([offsets_m(journey, run)[0] for run in runs])
-    # 200 runs give a std within 3 / sqrt(400)
-    assert errors_m[:, 160].std() == pytest.approx(12.0, rel=0.16)
-    assert errors_m[:, 166].std() == pytest.approx(12.0 * np.exp(-1.0), rel=0.16)
+    # 100 runs give a std within 3 / sqrt(200)
+    assert errors_m[:, 160].std() == pytest.approx(12.0, rel=0.22)
+    assert errors_m[:, 166].std() == pytest.approx(12.0 * np.exp(-1.0), rel=0.22)
     assert runs[0].h_std_m[160] == pytest.approx(12.0, rel=0.01)
     assert errors_m[:, 99].std() < 1e-6
 

@@ -171,7 +171,7 @@ def test_statistics_survive_the_whole_chain(tmp_path: Path) -> None:
     truth = journey.at(fixes.described_s)
     north_m = np.array([fix.lat_deg or 0.0 for fix in got]) - truth.lats_deg
     one = north_m * METRES_PER_DEG / fixes.hdop
-    assert one.std() == pytest.approx(1.5, rel=0.16)
+    assert one.std() == pytest.approx(GpsModel().position_wander_std_m, rel=0.16)
     for lag_s, kept in ((0, 1.0), (50, np.exp(-0.5)), (100, np.exp(-1.0)), (300, np.exp(-3.0))):
         correlation = np.mean(one[: len(one) - lag_s] * one[lag_s:]) / np.mean(one * one)
         assert correlation == pytest.approx(kept, abs=0.22)
