@@ -84,8 +84,10 @@ def test_a_late_receiver_describes_where_the_vehicle_was() -> None:
 
 
 def test_errors_have_the_given_std_and_memory() -> None:
-    """Over 10 h of a parked car: std per axis is the model's times the dilution, and after one
-    correlation time 1/e of it is left; 600 stretches of it bound the first by 8 %, the second by 0.1."""
+    """Std per axis is the model's times the dilution; after one correlation time 1/e is left.
+
+    Of 10 h, 600 such times: three sigma are about 8 % of the first and 0.1 of the second.
+    """
     journey = drive(0.0, 36_000.0)
     fixes = measured(journey, altitude_wander_time_s=30.0, position_wander_time_s=60.0)
     east_m, north_m, up_m = offsets_m(journey, fixes)
