@@ -1,0 +1,1 @@
+"""Measures Wayline beside named yardsticks, both in the same run."""
