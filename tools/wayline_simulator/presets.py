@@ -151,8 +151,14 @@ CSS = Preset(
         counter_resolution_m=None,
         reverse_reported=False,
     ),
+    # more than half of the differences at an even speed are 0, and nothing is below 0
     torque=TorqueModel(
-        rate_hz=2.0, noise_pct=1.0, jitter_s=0.0007, mass_error_std=0.05, driveline_reported=False
+        rate_hz=2.0,
+        noise_pct=0.2,
+        jitter_s=0.0007,
+        mass_error_std=0.05,
+        driveline_reported=False,
+        overrun_reported=False,
     ),
     barometer=BarometerModel(
         rate_hz=1.0 / 3.0, resolution_pa=1000.0, jitter_s=0.0007, temperature_reported=False

@@ -49,6 +49,8 @@ class TorqueModel(Strict, frozen=True, kw_only=True):
     """Share by which the mass in drive.toml is off; judgement for a vehicle that was weighed."""
     driveline_reported: bool = True
     """Gear, its ratio, clutch and brake are on the bus; OBD-II has none of them."""
+    overrun_reported: bool = True
+    """Negative torque is on the bus; css-164 says 0 on the overrun."""
     slope_reported: bool = False
     """The vehicle reports a slope of its own (papers/004), +13 % while braking."""
     slope_speed_noise_mps: NotNegative = 0.005
@@ -116,11 +118,14 @@ def measure(
     )
     true_pct = 100.0 * motion.engine_torque_nm[step] / reference_torque_nm(vehicle)
     errors_pct = offset_pct + model.noise_pct * random.standard_normal(count)
+    read_pct = true_pct * (gain + wander) + errors_pct
+    if not model.overrun_reported:
+        read_pct = np.maximum(read_pct, 0.0)
     speeds_rpm = np.interp(instants_s, motion.times_s, motion.engine_speed_rpm)
     return TorqueSamples(
         times_s=frame_times(grid_s, model.jitter_s, random),
         instants_s=instants_s,
-        torques_pct=in_steps(true_pct * (gain + wander) + errors_pct, model.resolution_pct),
+        torques_pct=in_steps(read_pct, model.resolution_pct),
         engine_speeds_rpm=in_steps(speeds_rpm, ENGINE_SPEED_STEP_RPM),
         gears=motion.gear[step],
         gear_ratios=in_steps(np.nan_to_num(motion.gear_ratio[step]), GEAR_RATIO_STEP),

@@ -91,6 +91,13 @@ def test_torque_has_its_gain_offset_and_noise() -> None:
     assert errors[2:-2].std() == pytest.approx(0.5, rel=4 / math.sqrt(2 * 6000))
 
 
+def test_an_engine_may_keep_its_overrun_to_itself() -> None:
+    """Downhill one bus says less than 0, the other 0."""
+    drive = cruise(20.0, 20.0, grade=-0.05)
+    assert pulled(drive).torques_pct[5:-5].max() < -10.0
+    assert not np.any(pulled(drive, overrun_reported=False).torques_pct)
+
+
 def test_torque_gain_wanders_with_its_std_and_time() -> None:
     """300 correlation times know the std to 6 %."""
     samples = pulled(
