@@ -108,7 +108,7 @@ def winding(design: Design, length_m: float, random: np.random.Generator) -> lis
     elements: list[Element] = []
     heading_rad = 0.0
     while length_of(elements) < length_m:
-        size_rad = math.radians(random.uniform(*design.turns_deg))
+        size_rad = min(math.radians(random.uniform(*design.turns_deg)), WANDER_RAD)
         side = math.copysign(1.0, random.uniform(-WANDER_RAD, WANDER_RAD) - heading_rad)
         if abs(heading_rad + side * size_rad) > WANDER_RAD:
             side = -math.copysign(1.0, heading_rad)

@@ -235,3 +235,19 @@ def test_grade_is_piecewise_linear() -> None:
     bent = np.abs(np.diff(grade, 2)) > 1e-12
     # four samples a curve at most (its ends fall between samples), some 20 curves
     assert 20 < np.sum(bent) < 120
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_an_open_road_goes_one_way(seed: int) -> None:
+    """It never turns back, so that it cannot come across itself."""
+    course = make_course(RoadModel(kind="main", heading_deg=0.0), seed)
+    assert np.degrees(np.abs(course.headings_rad)).max() < 67.0
+
+
+def test_nobody_waits_at_a_light_in_a_tunnel() -> None:
+    """Lights where a tunnel is dug are gone, the others stay."""
+    tunnel = Stretch(start_m=2000.0, length_m=2000.0)
+    course = make_course(RoadModel(kind="urban", tunnels=(tunnel,)), 1)
+    lights_m = np.array([halt.distance_m for halt in course.halts if halt.kind == "light"])
+    assert len(lights_m) > 5
+    assert not np.any((lights_m >= 2000.0) & (lights_m <= 4000.0))
