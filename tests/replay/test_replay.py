@@ -7,20 +7,29 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 from wayline.database import open_database
 from wayline.drive import load_drive
-from wayline_cli.fix_errors import Row, fix_errors, read_topic, start_of
 from wayline_cli.replay import replay
 from wayline_cli.stream import DriveStream, Outage
+from wayline_evaluation.outages import score_outage
+from wayline_evaluation.pose_errors import compared
+from wayline_evaluation.reference import fixes_reference
+from wayline_evaluation.replays import read_replay
 from wayline_slope_map.export import export_rows
 
 ROOT = Path(__file__).parents[2]
 DEMO = ROOT / "deploy" / "demo" / "avl-shuttle"
+Row = dict[str, Any]
+
+
+def read_topic(out: Path, topic: str) -> list[Row]:
+    with (out / f"{topic}.jsonl").open("rb") as file:
+        return [json.loads(line) for line in file]
 
 
 class Runs(NamedTuple):
@@ -54,8 +63,8 @@ def css(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path], Runs]:
 def test_css_164_poses_lie_on_the_recorded_fixes(
     recorded: Callable[[str], Path], css: Callable[[Path], Runs]
 ) -> None:
-    runs = css(recorded("css-164"))
-    apart_m = fix_errors(runs.first, runs.first).apart_m
+    first = read_replay(recorded("css-164"), css(recorded("css-164")).first)
+    apart_m = compared(first.estimates, fixes_reference(first.fixes, first.estimates)).horizontal_m
     assert len(apart_m) == 2161
     assert np.mean(apart_m <= 15.0) >= 0.95
     assert np.nanpercentile(apart_m, 95) < 5.0
@@ -65,9 +74,21 @@ def test_css_164_is_dead_reckoned_through_a_minute_without_gps(
     recorded: Callable[[str], Path], css: Callable[[Path], Runs]
 ) -> None:
     """Scored at the last fix before GPS comes back, without alignment."""
-    runs = css(recorded("css-164"))
-    assert fix_errors(runs.outage, runs.first).at_end_of(600.0, 60.0) < 60.0
-    start_ns = start_of(runs.first)
+    drive = recorded("css-164")
+    runs = css(drive)
+    first, blind = (read_replay(drive, out) for out in (runs.first, runs.outage))
+    score = score_outage(
+        Outage(600.0, 60.0),
+        drive="css-164",
+        name="fusion",
+        pass_number=1,
+        drive_start_s=first.start_s,
+        estimates=blind.estimates,
+        reference=fixes_reference(first.fixes, first.estimates),
+    )
+    assert score is not None
+    assert score.horizontal_m < 60.0
+    start_ns = first.start_s * 1e9
 
     def during(topic: str, from_s: float) -> list[Row]:
         rows = read_topic(runs.outage, topic)

@@ -26,8 +26,9 @@ class PartAccuracy(msgspec.Struct, frozen=True, kw_only=True):
     """Of all poses, of those with GPS, or of those without (dead_reckoning, lost)."""
 
     errors: Errors
-    consistency: Consistency
-    within_15_m_share: float | None
+    consistency: Consistency | None
+    """Null against fixes: the poses were made from them."""
+    within_15_m_share: float
 
 
 class Accuracy(msgspec.Struct, frozen=True, kw_only=True):
@@ -82,7 +83,8 @@ def accuracy_report(drives: Sequence[ScoredDrive]) -> AccuracyReport:
 def _drive_accuracy(scored: ScoredDrive) -> DriveAccuracy:
     filters = {
         name: Accuracy(
-            missing_share=float(np.mean(np.isnan(errors.horizontal_m))), parts=_parts(errors)
+            missing_share=float(np.mean(np.isnan(errors.horizontal_m))),
+            parts=_parts(errors, scored.reference),
         )
         for name, errors in scored.errors.items()
     }
@@ -94,21 +96,22 @@ def _drive_accuracy(scored: ScoredDrive) -> DriveAccuracy:
     )
 
 
-def _parts(errors: PoseErrors) -> dict[Part, PartAccuracy]:
+def _parts(errors: PoseErrors, reference: Kind) -> dict[Part, PartAccuracy]:
     dead = errors.dead_reckoning
-    parts: dict[Part, PartAccuracy] = {"all": _part(errors)}
+    parts: dict[Part, PartAccuracy] = {"all": _part(errors, reference)}
     if dead.any() and not dead.all():
-        parts["gps"] = _part(errors.where(~dead))
-        parts["dead_reckoning"] = _part(errors.where(dead))
+        parts["gps"] = _part(errors.where(~dead), reference)
+        parts["dead_reckoning"] = _part(errors.where(dead), reference)
     return parts
 
 
-def _part(errors: PoseErrors) -> PartAccuracy:
-    known_m = errors.horizontal_m[~np.isnan(errors.horizontal_m)]
+def _part(errors: PoseErrors, reference: Kind) -> PartAccuracy:
+    # what has no position lies on no fix
+    near = errors.horizontal_m <= NEAR_M
     return PartAccuracy(
         errors=errors_of(errors),
-        consistency=consistency_of(errors),
-        within_15_m_share=float(np.mean(known_m <= NEAR_M)) if len(known_m) else None,
+        consistency=consistency_of(errors) if reference == "truth" else None,
+        within_15_m_share=float(np.mean(near)),
     )
 
 

@@ -25,6 +25,8 @@ OVER_TIME = (
     ("grade_pct", "grade_std_pct", "grade, %"),
 )
 DPI = 100
+GUIDES_PCT = (0.5, 1.0, 2.0, 5.0)
+"""Shares of the distance, the last being papers/001's average cross-track error."""
 
 
 def plot_accuracy(drives: Sequence[ScoredDrive], path: Path) -> None:
@@ -94,15 +96,16 @@ def plot_outages(report: OutageReport, path: Path) -> None:
     places.axhline(0.0, color="0.7", lw=0.8)
     places.axvline(0.0, color="0.7", lw=0.8)
     places.set(xlabel="cross-track (right), m", ylabel="along-track (ahead), m", aspect="equal")
+    places.set_adjustable("datalim")
     places.legend()
-    longest_m = max((score.distance_m for score in report.outages), default=1.0)
-    for percent in (0.5, 1.0, 2.0, 5.0):
-        shares.plot([0.0, longest_m], [0.0, percent / 100.0 * longest_m], color="0.8", lw=0.8)
-        shares.annotate(f"{percent:g} %", (longest_m, percent / 100.0 * longest_m), color="0.5")
+    for percent in GUIDES_PCT:
+        shares.axline((0.0, 0.0), slope=percent / 100.0, color="0.8", lw=0.8)
     highest_m = max((score.horizontal_m for score in report.outages), default=1.0)
+    guides = ", ".join(f"{percent:g}" for percent in GUIDES_PCT)
     shares.set(
-        xlabel="distance in the outage, m",
+        xlabel=f"distance in the outage, m (grey: {guides} %)",
         ylabel="horizontal error at its end, m",
+        xlim=(0.0, None),
         ylim=(0.0, 1.1 * highest_m),
     )
     _save(figure, path)

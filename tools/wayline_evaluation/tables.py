@@ -45,8 +45,7 @@ def _errors_table(drive: DriveAccuracy) -> Table:
             for row in _error_rows(found.errors):
                 table.add_row(name, part.replace("_", " "), *row)
         share = accuracy.parts["all"].within_15_m_share
-        if share is not None:
-            table.add_row(name, "all", "within 15 m", *[""] * 4, f"{100.0 * share:.1f} %")
+        table.add_row(name, "all", "within 15 m", *[""] * 4, f"{100.0 * share:.1f} %")
         missing = f"{100.0 * accuracy.missing_share:.1f} %"
         table.add_row(name, "all", "without position", *[""] * 4, missing, end_section=True)
     return table
@@ -69,7 +68,8 @@ def _consistency_table(drive: DriveAccuracy) -> Table:
         table.add_column(name, justify="left" if name in ("filter", "poses") else "right")
     for name, accuracy in drive.filters.items():
         for part, found in accuracy.parts.items():
-            table.add_row(name, part.replace("_", " "), *_consistency_row(found.consistency))
+            if found.consistency is not None:
+                table.add_row(name, part.replace("_", " "), *_consistency_row(found.consistency))
     return table
 
 
@@ -106,9 +106,9 @@ def _outages_table(outages: Sequence[OutageScore]) -> Table:
     table = _table("errors at the last instant before GPS returns")
     table.add_column("drive")
     table.add_column("filter")
-    for name in ("start, s", "duration, s", "distance, m", "cross-track, m", "along-track, m"):
+    for name in ("start\ns", "lasts\ns", "distance\nm", "cross-track\nm", "along-track\nm"):
         table.add_column(name, justify="right")
-    for name in ("horizontal, m", "%", "heading, deg"):
+    for name in ("horizontal\nm", "\n%", "heading\ndeg"):
         table.add_column(name, justify="right")
     for score in outages:
         measures = (
@@ -132,8 +132,8 @@ def _outages_table(outages: Sequence[OutageScore]) -> Table:
 def _summary_table(report: OutageReport) -> Table:
     against = "the truth" if report.reference == "truth" else "the recorded fixes"
     table = _table(f"outages of GPS, against {against}")
-    for name in ("filter", "duration, s", "pass", "outages", "error"):
-        table.add_column(name)
+    for name in ("filter", "lasts\ns", "pass", "outages", "error"):
+        table.add_column(name, no_wrap=True)
     for name in ("rms", "p50", "p68", "p90", "p95", "max"):
         table.add_column(name, justify="right")
     for each in report.passes:
@@ -141,7 +141,7 @@ def _summary_table(report: OutageReport) -> Table:
             row = [
                 each.filter,
                 f"{each.duration_s:g}",
-                f"{each.pass_number}, from {each.first_s:g} s",
+                f"from {each.first_s:g} s",
             ]
             table.add_row(
                 *row, str(each.horizontal_m.count), "horizontal, m", *_cells(each.horizontal_m)

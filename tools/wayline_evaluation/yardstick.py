@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wayline.messages import GpsFix
+from wayline_evaluation.dilution import ROUNDING, Dilution
 from wayline_evaluation.estimates import Floats
 from wayline_evaluation.gaussian import Gaussian, decayed, gate_of
 from wayline_evaluation.motion import Motion, period_s
@@ -74,6 +75,7 @@ class Yardstick:
         self.gps, self.gyro, self.odometer = gps, gyro, odometer
         self.heading_known = False
         self._fading_s = gps.first_error_time_s
+        self._dilution = Dilution()
         self._fix_s: float | None = None
         self.state = Gaussian(_start(gyro, odometer), _start_stds(gps, gyro, odometer))
         rounding_degps = gyro.resolution_degps / math.sqrt(12.0)
@@ -190,7 +192,7 @@ class Yardstick:
         """Take in a fix at its own instant."""
         lats_deg, lons_deg = np.array([fix.lat_deg]), np.array([fix.lon_deg])
         east_m, north_m = (float(part[0]) for part in grid.to_grid(lats_deg, lons_deg))
-        hdop = fix.hdop or 1.0
+        hdop = self._dilution.at(fix.hdop or 1.0, fix.t_ns * 1e-9)
         self._awake(fix.t_ns * 1e-9)
         self._position(east_m, north_m, hdop)
         if fix.speed_mps is None or fix.course_deg is None or fix.speed_mps < COURSE_MPS:
@@ -213,7 +215,10 @@ class Yardstick:
         rows[[0, 1], [S.EAST, S.NORTH]] = rows[[0, 1], [S.COLD_EAST, S.COLD_NORTH]] = 1.0
         rows[[0, 1], [S.GPS_EAST, S.GPS_NORTH]] = hdop
         innovation = np.array([east_m, north_m]) - rows @ self.state.mean
-        noise = np.eye(2) * (self.gps.position_white_std_m * hdop) ** 2
+        white_m = math.hypot(
+            self.gps.position_white_std_m * hdop, self.gps.position_wander_std_m * ROUNDING
+        )
+        noise = np.eye(2) * white_m**2
         self.state.correct(innovation, rows, noise, self._gate)
 
     def _velocity(

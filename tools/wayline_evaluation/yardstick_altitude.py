@@ -4,6 +4,7 @@ It knows the day's air and the road's unrest too. What a tunnel does to the pres
 engine's torque tells of the grade it does not know.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from enum import IntEnum
@@ -14,6 +15,7 @@ import numpy as np
 
 from wayline.air import EXPONENT, SCALE_M
 from wayline.messages import GpsFix
+from wayline_evaluation.dilution import ROUNDING, Dilution
 from wayline_evaluation.estimates import Estimates, Floats
 from wayline_evaluation.gaussian import Gaussian, decayed, gate_of
 from wayline_evaluation.reference import Reference
@@ -37,6 +39,8 @@ UNREST_M = 100.0
 about as much."""
 FIRST_GRADE_STD = 0.05
 UNKNOWN_M = 1e4
+VDOP_FACTOR = 1.5
+"""Of HDOP, where a receiver tells that alone."""
 GPS_ROUNDING_M = 0.1 / np.sqrt(12.0)
 """GGA tells decimetres."""
 
@@ -136,6 +140,7 @@ class AltitudeYardstick:
         self._grade_walk_per_m = grade_walk_per_m
         self._fading_s = gps.first_error_time_s
         self._fix_s: float | None = None
+        self._dilution = Dilution()
         self._last_pa, self._same = 0.0, 0
         self._start_alt_m = 0.0
         self.state = Gaussian(np.zeros(len(S)), _start_stds(gps, barometer))
@@ -180,7 +185,8 @@ class AltitudeYardstick:
             severity = -np.expm1(-blind_s / FORGETTING_S)
             self.state.set(S.COLD, 0.0, ALTITUDE_FACTOR * severity * self._gps.reacquire_error_m)
         self._fix_s = time_s
-        self._smooth(fix.vdop or 1.5 * (fix.hdop or 1.0), first=first)
+        vdop = fix.vdop or VDOP_FACTOR * (fix.hdop or 1.0)
+        self._smooth(self._dilution.at(vdop, time_s), first=first)
         row = np.zeros((1, len(S)))
         row[0, S.TOLD] = 1.0
         innovation = np.array([fix.alt_m - self.state.mean[S.TOLD]])
@@ -197,7 +203,10 @@ class AltitudeYardstick:
             [1.0, vdop, 1.0]
         )
         transition[S.TOLD, S.TOLD] = old
-        noise[S.TOLD] = ((1.0 - old) * vdop * self._gps.altitude_white_std_m) ** 2
+        white_m = math.hypot(
+            vdop * self._gps.altitude_white_std_m, ROUNDING * self._gps.altitude_wander_std_m
+        )
+        noise[S.TOLD] = ((1.0 - old) * white_m) ** 2
         self.state.advance(transition @ self.state.mean, transition, noise)
 
     def pressure(self, pressure_pa: float, speed_mps: float, since_start_s: float) -> None:
