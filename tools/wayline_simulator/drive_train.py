@@ -16,8 +16,8 @@ TABLE_STEP_RPM = 10.0
 """Between the entries of the torque tables; a curve has no corner that is finer."""
 FUEL_CUT_FADE_RPM = 300.0
 """Above idle speed, where the overrun's fuel cut sets in fully; judgement."""
-OPEN_SHARE = 1.08
-"""Of idle speed: slower wheels would stall the engine, so the clutch opens."""
+OPEN_SHARE = 0.9
+"""Of the launch speed: the clutch opens before slower wheels stall the engine; judgement."""
 
 
 class EngineModel(Strict, frozen=True, kw_only=True):

@@ -1,6 +1,7 @@
 """Pure: how a driver's foot decides on the next moment's acceleration."""
 
 from collections.abc import Sequence
+from math import sqrt
 from typing import NamedTuple
 
 from wayline_simulator.course import STEP_M
@@ -20,8 +21,10 @@ EASING = 0.6
 """v falls with this power of the distance to a stop: braking eases off towards it (0.5: never)."""
 RELEASE_SHARE = 0.15
 """Of comfortable braking: a stop that asks for less is still far."""
-HURRY_SHARE = 1.2
-"""Of comfortable braking: more than this is braked at once."""
+URGENCY = 8
+"""A stop that asks for more than comfortable braking is braked for more quickly, by this power."""
+PATIENCE_SHARE = 1.0
+"""Of comfortable braking over the way to a stop: nobody gains speed beyond what that ends."""
 HARDEST_MPS2 = 8.0
 """Dry asphalt gives no more."""
 LANDING_MPS, LANDING_S = 0.6, 1.5
@@ -79,20 +82,30 @@ class Foot:
         if self._stopping or stop_mps2 >= limits.braking_mps2:
             self._stopping = stop_mps2 > RELEASE_SHARE * limits.braking_mps2
             aim = min(aim, -stop_mps2)
-            if stop_mps2 > HURRY_SHARE * limits.braking_mps2:
-                down = HARDEST_MPS2
+            down *= max(stop_mps2 / limits.braking_mps2, 1.0) ** URGENCY
+        elif aim > 0.0:
+            useful_mps = sqrt(PATIENCE_SHARE * limits.braking_mps2 * left_m)
+            aim = min(aim, max(useful_mps - speed_mps, 0.0) * GAINING_PER_S)
         return max(min(aim, now_mps2 + up), now_mps2 - down, -HARDEST_MPS2)
 
     def _aim_mps2(self, path_m: float, speed_mps: float) -> float:
         """What the ceiling here and a moment ahead asks for."""
-        ceilings, last = self._ceiling_mps, self._last
-        here_mps = ceilings[min(int(path_m / STEP_M), last)]
-        soon_mps = ceilings[min(int((path_m + speed_mps * AHEAD_S) / STEP_M), last)]
+        here_mps = self._ceiling_at(path_m)
+        soon_mps = self._ceiling_at(path_m + speed_mps * AHEAD_S)
         gap_mps = (here_mps if here_mps < soon_mps else soon_mps) - speed_mps
         if gap_mps < 0.0:
             return gap_mps * SLOWING_PER_S
         fading = 1.0 + speed_mps / FADING_MPS
         return min(gap_mps * GAINING_PER_S, self._limits.gaining_mps2 / fading)
+
+    def _ceiling_at(self, path_m: float) -> float:
+        """Between the samples, so that the foot does not tremble."""
+        place = path_m / STEP_M
+        before = int(place)
+        if before >= self._last:
+            return self._ceiling_mps[self._last]
+        first_mps = self._ceiling_mps[before]
+        return first_mps + (place - before) * (self._ceiling_mps[before + 1] - first_mps)
 
 
 def _landing_mps2(speed_mps: float, left_m: float) -> float:

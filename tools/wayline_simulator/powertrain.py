@@ -1,6 +1,6 @@
 """Pure: an engine and its gearbox from one instant to the next."""
 
-from enum import IntEnum
+from enum import Enum
 
 from wayline_simulator.drive_train import (
     OPEN_SHARE,
@@ -26,7 +26,7 @@ REV_DECAY = 0.9
 """A step, of an engine that is free to find its speed."""
 
 
-class Clutch(IntEnum):
+class Clutch(Enum):
     """What the driveline does."""
 
     OPEN = 0
@@ -54,9 +54,11 @@ class Powertrain:
         self._drag_per_m = [turn / gearbox.efficiency for turn in turns]
         self._rpm_per_mps = [turn * RPM_PER_RADPS for turn in turns]
         self._engine_kg = [engine_mass_kg(vehicle, ratio) for ratio in self.ratios]
+        self._open_rpm = OPEN_SHARE * vehicle.engine.launch_rpm
         self._shift_steps = max(round(gearbox.shift_s / MOTION_STEP_S), 1)
         self._ramp_steps = max(round(gearbox.ramp_s / MOTION_STEP_S), 1)
         self._pause_steps = round(gearbox.pause_s / MOTION_STEP_S)
+        self._recovered = self._pause_steps // 2
         self._mass_kg = vehicle.mass_kg
         self._next_gear = self._steps_left = self._pause = 0
         self._load = self._released_n = 0.0
@@ -77,24 +79,29 @@ class Powertrain:
         self._load = ENGAGING_LOAD
 
     @property
+    def driveline_open(self) -> bool:
+        """Whether the clutch is open or slips."""
+        return self.clutch is Clutch.OPEN or self.clutch is Clutch.SHIFTING
+
+    @property
     def recovering(self) -> bool:
         """Shifting, or torque is coming back after a shift."""
-        return self.clutch >= Clutch.RELEASING or self._pause > self._pause_steps // 2
+        return self.clutch is Clutch.RELEASING or self._pause > self._recovered
 
     def prepare(self, speed_mps: float, wanted_mps2: float, hold_n: float) -> None:
         """Open, close or shift as speed and load ask for; `hold_n` would keep the speed."""
-        if self.clutch == Clutch.CLOSED:
+        if self.clutch is Clutch.CLOSED:
             self._watch(speed_mps, wanted_mps2, hold_n)
-        elif self.clutch == Clutch.OPEN:
+        elif self.clutch is Clutch.OPEN:
             self._engage(speed_mps, wanted_mps2)
         else:
             self._go_on(speed_mps)
 
     def push(self, speed_mps: float, needed_n: float) -> float:
         """The force at the wheels that comes nearest to the needed one, for the step to come."""
-        if self.clutch == Clutch.OPEN:
+        if self.clutch is Clutch.OPEN:
             self._slip(speed_mps, needed_n)
-        elif self.clutch == Clutch.SHIFTING:
+        elif self.clutch is Clutch.SHIFTING:
             self.force_n = self.torque_nm = 0.0
             target_rpm = max(speed_mps * self._rpm_per_mps[self.gear], self._engine.idle_rpm)
             self.speed_rpm += (target_rpm - self.speed_rpm) / max(self._steps_left, 1)
@@ -108,7 +115,7 @@ class Powertrain:
         full_n = self._tables.full_nm(speed_rpm) * self._push_per_m[gear]
         share = needed_n / full_n if full_n > 0.0 else 1.0
         self._load += (min(max(share, 0.0), 1.0) - self._load) * (1.0 - LOAD_DECAY)
-        if self.clutch == Clutch.RELEASING:
+        if self.clutch is Clutch.RELEASING:
             full_n = min(full_n, self._released_n * self._steps_left / self._ramp_steps)
         if needed_n > 0.0:
             self.force_n = min(needed_n, full_n)
@@ -132,7 +139,7 @@ class Powertrain:
         """With the clutch closed: leave a gear that has become too high or too low."""
         gear = self.gear
         speed_rpm = speed_mps * self._rpm_per_mps[gear]
-        if speed_rpm < OPEN_SHARE * self._engine.idle_rpm:
+        if speed_rpm < self._open_rpm:
             self.clutch = Clutch.OPEN
             self.rotating_kg = 0.0
             return
@@ -197,12 +204,12 @@ class Powertrain:
         self._steps_left -= 1
         if self._steps_left > 0:
             return
-        if self.clutch == Clutch.RELEASING:
+        if self.clutch is Clutch.RELEASING:
             self.clutch = Clutch.SHIFTING
             self.gear = self._next_gear
             self.rotating_kg = 0.0
             self._steps_left = self._shift_steps
-        elif speed_mps * self._rpm_per_mps[self.gear] > OPEN_SHARE * self._engine.idle_rpm:
+        elif speed_mps * self._rpm_per_mps[self.gear] > self._open_rpm:
             self._close()
         else:
             self.clutch = Clutch.OPEN

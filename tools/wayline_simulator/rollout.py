@@ -23,7 +23,6 @@ RESTING_MPS = 1e-9
 """Slower is rounding."""
 PATIENCE_STEPS = round(60.0 / MOTION_STEP_S)
 """Who has not moved for a minute though nothing is in the way never will."""
-OPEN = frozenset((Clutch.OPEN, Clutch.SHIFTING))
 BRAKE_MPS2 = 0.12
 """What engine and resistance may leave undone before the foot goes to the brake; judgement."""
 
@@ -103,7 +102,7 @@ class Rollout:
         brake_n = self._brake_n(drive_n - needed_n, mass_kg)
         gained_mps2 = (drive_n - brake_n - hold_n) / mass_kg
         # after a shift the foot begins where the shift has left it
-        self._now_mps2 = gained_mps2 if powertrain.clutch == Clutch.SHIFTING else wanted_mps2
+        self._now_mps2 = gained_mps2 if powertrain.clutch is Clutch.SHIFTING else wanted_mps2
         next_mps = speed_mps + gained_mps2 * MOTION_STEP_S
         if next_mps < RESTING_MPS:
             next_mps = 0.0
@@ -130,7 +129,7 @@ class Rollout:
                 powertrain.speed_rpm,
                 powertrain.gear,
                 self._braking,
-                powertrain.clutch in OPEN,
+                powertrain.driveline_open,
                 drive_n,
                 brake_n,
                 resistance_n,
