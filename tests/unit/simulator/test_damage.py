@@ -53,6 +53,7 @@ def test_torn_sentences_lack_their_end() -> None:
     after = harmed(Damage(sentences_torn=SHARE))
     torn = [(new.text, old.text) for new, old in zip(after, LINES, strict=True) if new != old]
     assert len(torn) == COUNT
+    assert {len(new) for new, _ in torn} == set(range(1, len(LINES[0].text)))
     assert all(old.startswith(new) and 0 < len(new) < len(old) for new, old in torn)
 
 
@@ -98,6 +99,7 @@ def test_frames_are_lost_shortened_lengthened_and_repeated() -> None:
     short = [frame[2] for frame in harmed_frames(Damage(frames_short=SHARE)) if len(frame[2]) < 6]
     assert len(short) == COUNT
     assert all(data.startswith(part) for part in short)
+    assert {len(part) for part in short} == set(range(6))
     long = [frame[2] for frame in harmed_frames(Damage(frames_long=SHARE)) if len(frame[2]) == 8]
     assert len(long) == COUNT
     assert all(whole.startswith(data) for whole in long)
