@@ -23,7 +23,7 @@ from wayline_gps_ingest.gpsd_reports import (
     satellite_of,
     time_ns,
 )
-from wayline_gps_ingest.timeline import SteadyClock
+from wayline_gps_ingest.steady_clock import SteadyClock
 
 HELD_NS = 10 * SECOND_NS
 """The sky is told apart from the fix, by some receivers every 5 s: so long it stands beside it."""
