@@ -15,6 +15,7 @@ SYSTEMS_BY_TALKER = {
     "BD": "beidou",
     "GQ": "qzss",
     "QZ": "qzss",
+    "PQ": "qzss",
     "GI": "navic",
 }
 SYSTEMS_BY_ID = {
@@ -64,7 +65,9 @@ class Sky:
         keys: set[Key] = set()
         for observation in self._sentences:
             if observation.kind == "GSA":
-                keys |= _used(observation.talker, observation.fields)
+                fields = observation.fields
+                system_id = fields[17] if len(fields) > 17 else ""
+                keys |= _used(observation.talker, system_id, tuple(fields[2:14]))
         return keys
 
     def message(self, t_ns: int) -> GpsSky:
@@ -73,38 +76,49 @@ class Sky:
         in_view: dict[Key, Satellite] = {}
         for observation in self._sentences:
             if observation.kind == "GSV":
-                for satellite in _in_view(observation.talker, observation.fields, used):
-                    _keep_stronger(in_view, satellite)
+                for key, satellite in _in_view(observation.talker, observation.fields, used):
+                    known = in_view.setdefault(key, satellite)
+                    if known is not satellite:
+                        in_view[key] = _stronger(known, satellite)
         return GpsSky(t_ns=t_ns, satellites=tuple(in_view[key] for key in sorted(in_view)))
 
 
-def _used(talker: str, fields: Sequence[str]) -> set[Key]:
-    system_id = fields[17] if len(fields) > 17 else ""
-    numbers = (count(text) for text in fields[2:14] if text)
-    return {(system_of(talker, system_id, prn), prn) for prn in numbers if prn}
+# receivers use the same satellites for many seconds, and tell of them with the same numbers
+@lru_cache(maxsize=1024)
+def _used(talker: str, system_id: str, slots: tuple[str, ...]) -> frozenset[Key]:
+    keys = (_key(talker, system_id, text) for text in slots)
+    return frozenset(key for key in keys if key)
 
 
-def _in_view(talker: str, fields: Sequence[str], used: set[Key]) -> Iterator[Satellite]:
+def _in_view(talker: str, fields: Sequence[str], used: set[Key]) -> Iterator[tuple[Key, Satellite]]:
     for start in range(3, len(fields) - 3, 4):
-        prn = count(fields[start])
-        if prn:
-            system = system_of(talker, "", prn)
-            yield Satellite(
-                system=system,
-                prn=prn,
-                elevation_deg=_elevation_deg(fields[start + 1]),
-                azimuth_deg=bearing_deg(fields[start + 2]),
-                snr_dbhz=positive(fields[start + 3]),
-                used=(system, prn) in used,
-            )
+        key = _key(talker, "", fields[start])
+        if key:
+            yield key, _satellite(key, *fields[start + 1 : start + 4], key in used)
 
 
-def _keep_stronger(in_view: dict[Key, Satellite], satellite: Satellite) -> None:
+@lru_cache(maxsize=1024)
+def _key(talker: str, system_id: str, prn: str) -> Key | None:
+    number = count(prn)
+    return (system_of(talker, system_id, number), number) if number else None
+
+
+@lru_cache(maxsize=4096)
+def _satellite(key: Key, elevation: str, azimuth: str, snr: str, used: bool) -> Satellite:
+    system, prn = key
+    return Satellite(
+        system=system,
+        prn=prn,
+        elevation_deg=_elevation_deg(elevation),
+        azimuth_deg=bearing_deg(azimuth),
+        snr_dbhz=positive(snr),
+        used=used,
+    )
+
+
+def _stronger(one: Satellite, other: Satellite) -> Satellite:
     """A satellite heard on several signals is listed once a signal: the strongest stands."""
-    key = satellite.system, satellite.prn
-    known = in_view.get(key)
-    if known is None or (known.snr_dbhz or 0.0) < (satellite.snr_dbhz or 0.0):
-        in_view[key] = satellite
+    return other if (one.snr_dbhz or 0.0) < (other.snr_dbhz or 0.0) else one
 
 
 def _elevation_deg(text: str) -> float | None:
@@ -112,7 +126,6 @@ def _elevation_deg(text: str) -> float | None:
     return value if value is not None and -90.0 <= value <= 90.0 else None
 
 
-@lru_cache(maxsize=1024)
 def system_of(talker: str, system_id: str, prn: int) -> str:
     """Constellation of a satellite: by the id of NMEA 0183 4.11, the talker, else its number.
 
