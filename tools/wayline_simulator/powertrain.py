@@ -18,7 +18,7 @@ HOLDING_SHARE = 0.85
 """A higher gear must hold the speed with so much of its torque, or it would be left again."""
 MARGIN = 1.1
 """A gear is taken only this far from where it would be left again."""
-ENGAGING_LOAD = 0.4
+ENGAGING_LOAD = 0.15
 """Torque that is reckoned with when a gear is chosen with an open clutch."""
 LOAD_DECAY = 0.9
 """A step, of the load's running mean: half a second."""
