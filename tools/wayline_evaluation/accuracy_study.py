@@ -16,7 +16,7 @@ from wayline_evaluation.replays import (
     replayed,
     truth_of,
 )
-from wayline_evaluation.told import told
+from wayline_evaluation.told import told, told_of_all
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +33,8 @@ def accuracy_study(
     folders: Sequence[Path], outages: Sequence[Outage], options: Options, progressed: Progressed
 ) -> tuple[AccuracyReport, list[ScoredDrive]]:
     """Figures, and the errors that a plot is made of. Raises InputError."""
+    if options.yardstick:
+        told_of_all(folders)
     runs = [
         Run(folder, tuple(outages), options.keep(folder), options.yardstick) for folder in folders
     ]

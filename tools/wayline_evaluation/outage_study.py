@@ -23,7 +23,7 @@ from wayline_evaluation.replays import (
     replayed,
     truth_of,
 )
-from wayline_evaluation.told import told
+from wayline_evaluation.told import told, told_of_all
 
 BETWEEN_S = 120.0
 """With GPS from one outage to the next where the user says nothing: time to calibrate again."""
@@ -77,6 +77,8 @@ def outage_study(
     folders: Sequence[Path], plan: Plan, options: Options, progressed: Progressed
 ) -> OutageReport:
     """Errors at the end of outages. Raises InputError."""
+    if options.yardstick:
+        told_of_all(folders)
     undisturbed = list(done_by(_undisturbed, folders, options.jobs, progressed))
     passes = [
         one

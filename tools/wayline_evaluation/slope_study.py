@@ -26,7 +26,7 @@ from wayline_evaluation.thesis_filter import (
     seconds_of,
     thesis_slopes_pct,
 )
-from wayline_evaluation.told import told
+from wayline_evaluation.told import told, told_of_all
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +42,8 @@ def slope_study(
     folders: Sequence[Path], options: Options, progressed: Progressed
 ) -> tuple[SlopeReport, Profiles]:
     """Figures, and the profiles that a plot is made of. Raises InputError."""
+    if options.yardstick:
+        told_of_all(folders)
     truths = [needed_truth(folder) for folder in folders]
     runs = [Run(folder, options.keep(folder), options.yardstick) for folder in folders]
     grades = list(done_by(_grades, runs, options.jobs, progressed))

@@ -11,25 +11,36 @@ from wayline_evaluation.replays import needed_truth
 from wayline_evaluation.sensed import sense
 from wayline_evaluation.yardstick_altitude import road_unrest_pct2_per_m
 from wayline_evaluation.yardstick_run import told_estimates
-from wayline_simulator.facts import read_facts
+from wayline_simulator.facts import Facts, read_facts
+
+
+def needed_facts(folder: Path) -> Facts:
+    """What a drive was simulated with. Raises InputError for one without GPS, or a recorded one."""
+    facts = read_facts(folder.parent if folder.suffix == ".toml" else folder)
+    if facts is None or facts.gps is None or facts.gyro is None or facts.odometer is None:
+        mend = "leave --yardstick out, or simulate a drive with GPS, gyro and odometer"
+        raise InputError(str(folder), "the noise of its sensors is not known", mend)
+    return facts
+
+
+def told_of_all(folders: Sequence[Path]) -> None:
+    """Raise InputError before a long study for what it would end with."""
+    for folder in folders:
+        needed_facts(folder)
 
 
 def told(folder: Path, outages: Sequence[Outage], poses_s: Floats) -> Estimates:
     """What is possible at these instants. Raises InputError where the noise is not known."""
-    place = folder.parent if folder.suffix == ".toml" else folder
-    facts = read_facts(place)
-    if facts is None or facts.gps is None:
-        mend = "leave --yardstick out, or simulate the drive with GPS"
-        raise InputError(str(folder), "nothing is known of its GPS's noise", mend)
-    drive = load_drive(folder)
-    try:
-        return told_estimates(
-            poses_s,
-            sense(drive, folder, outages),
-            facts,
-            # ingest took off what drive.toml says, which need not be the truth
-            fixes_early_s=drive.vehicle.gps_latency_s - facts.gps.latency_s,
-            grade_walk_pct2_per_m=road_unrest_pct2_per_m(needed_truth(folder)),
-        )
-    except ValueError as error:
-        raise InputError(str(folder), str(error), "leave --yardstick out") from None
+    facts, drive = needed_facts(folder), load_drive(folder)
+    sensed = sense(drive, folder, outages)
+    if not sensed.fixes:
+        raise InputError(str(folder), "has no fix for the yardstick", "leave --yardstick out")
+    true_latency_s = facts.gps.latency_s if facts.gps else 0.0
+    return told_estimates(
+        poses_s,
+        sensed,
+        facts,
+        # ingest took off what drive.toml says, which need not be the truth
+        fixes_early_s=drive.vehicle.gps_latency_s - true_latency_s,
+        grade_walk_pct2_per_m=road_unrest_pct2_per_m(needed_truth(folder)),
+    )
