@@ -72,10 +72,12 @@ class Given:
 
     name = "echo-2"
     detail = "given"
-    can_wait = True
 
-    def __init__(self, run: Callable[[Callable[[msgspec.Struct], None]], None]) -> None:
+    def __init__(
+        self, run: Callable[[Callable[[msgspec.Struct], None]], None], *, can_wait: bool = True
+    ) -> None:
         self._run = run
+        self.can_wait = can_wait
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
         self._run(put)
@@ -301,6 +303,30 @@ def test_a_feed_reaches_its_own_core_and_a_recording_the_bus(run: Run) -> None:
     assert {each.source for each in running.listener.heard("odometer")} == {"echo-2"}
     # a feed that is done leaves the service at work
     assert running.await_health(lambda health: health.in_rate_hz == 0.0).detail == "given"
+
+
+def test_a_live_feed_never_waits_and_what_it_loses_is_counted(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A receiver's thread goes on reading while a core is busy and the inbox full."""
+    monkeypatch.setattr("wayline.inbox.Inbox.__init__.__defaults__", (5,))
+    blocked, go = threading.Event(), threading.Event()
+
+    class Slow(Echo):
+        def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+            blocked.set()
+            assert go.wait(WAIT_S)
+            return ()
+
+    def feed(put: Callable[[msgspec.Struct], None]) -> None:
+        put(Sentence(None, "$GPGGA"))
+        assert blocked.wait(WAIT_S)
+        for _ in range(12):
+            put(Sentence(None, "$GPGGA"))
+        go.set()
+
+    service = Service("echo", lambda *_: Node("echo", Slow()), feeds=[Given(feed, can_wait=False)])
+    assert run(service).await_health(lambda health: health.dropped > 0).dropped == 7
 
 
 def test_a_feed_that_cannot_go_on_ends_the_service_with_its_reason(run: Run) -> None:
