@@ -57,7 +57,7 @@ GRADE_TORQUE_NM = 1500.0 * 9.81 * math.sin(math.atan(0.05)) * WHEEL_RADIUS_M / 4
 
 def pulled(drive: Journey, seed: int = 1, **fields: Any) -> TorqueSamples:
     model = msgspec.structs.replace(QUIET_ENGINE, **fields)
-    device, random = np.random.default_rng(7), np.random.default_rng(seed)
+    device, random = np.random.default_rng(8), np.random.default_rng(seed)
     return torque.measure(drive, model, CAR, device=device, random=random)
 
 
@@ -69,7 +69,7 @@ def sloped(drive: Journey, assumed: Vehicle = CAR, **fields: Any) -> Floats:
 
 def felt(drive: Journey, weather: Weather = CALM, seed: int = 1, **fields: Any) -> BarometerSamples:
     model = msgspec.structs.replace(QUIET_AIR, **fields)
-    device, random = np.random.default_rng(7), np.random.default_rng(seed)
+    device, random = np.random.default_rng(8), np.random.default_rng(seed)
     return barometer.measure(drive, model, weather, device=device, random=random)
 
 
@@ -85,7 +85,7 @@ def test_torque_has_its_gain_offset_and_noise() -> None:
     samples = pulled(
         cruise(20.0, 600.0, grade=0.05), gain_std=0.05, offset_std_pct=2.0, noise_pct=0.5
     )
-    gain, offset_pct = np.random.default_rng(7).standard_normal(2) * (0.05, 2.0)
+    gain, offset_pct = np.random.default_rng(8).standard_normal(2) * (0.05, 2.0)
     errors = samples.torques_pct - GRADE_TORQUE_NM / 2.5 * (1.0 + gain) - offset_pct
     assert errors[2:-2].mean() == pytest.approx(0.0, abs=4 * 0.5 / math.sqrt(6000))
     assert errors[2:-2].std() == pytest.approx(0.5, rel=4 / math.sqrt(2 * 6000))
@@ -214,7 +214,7 @@ def test_pressure_has_its_noise_and_its_offset() -> None:
     """4000 samples; the offset is the device's."""
     samples = felt(standing(2000.0), noise_pa=3.0, offset_std_pa=100.0)
     still = felt(standing(2000.0)).pressures_pa[0]
-    errors = samples.pressures_pa - still - 100.0 * np.random.default_rng(7).standard_normal()
+    errors = samples.pressures_pa - still - 100.0 * np.random.default_rng(8).standard_normal()
     assert errors.mean() == pytest.approx(0.0, abs=4 * 3.0 / math.sqrt(4000))
     assert errors.std() == pytest.approx(3.0, rel=4 / math.sqrt(2 * 4000))
 

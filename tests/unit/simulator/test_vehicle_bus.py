@@ -223,6 +223,15 @@ def test_a_log_is_candumps_in_order_of_time() -> None:
     )
 
 
+def test_frames_of_one_instant_keep_the_order_of_their_messages() -> None:
+    """A condition in one frame decides on the next, so that ties are no matter of chance."""
+    times_s = np.repeat([1.0, 2.0], 500)
+    frames = [Frames(number, times_s, np.zeros((1000, 1), np.uint8)) for number in (3, 1, 2)]
+    lines = b"".join(log_blocks(frames, START_S)).splitlines()
+    sent = [int(line.split()[2][:3], 16) for line in lines]
+    assert sent == ([3] * 500 + [1] * 500 + [2] * 500) * 2
+
+
 def test_a_million_frames_are_written_in_3_seconds() -> None:
     """A day of driving must not wait for its log."""
     data = np.random.default_rng(1).integers(0, 256, (1_000_000, 8), dtype=np.uint8)
