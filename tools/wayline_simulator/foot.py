@@ -19,20 +19,20 @@ FADING_MPS = 15.0
 """At this speed the acceleration of the start is halved."""
 EASING = 0.6
 """v falls with this power of the distance to a stop: braking eases off towards it (0.5: never)."""
+REACTION_S = 0.5
+"""From the gas to the brake; judgement."""
 RELEASE_SHARE = 0.15
 """Of comfortable braking: a stop that asks for less is still far."""
 URGENCY = 8
 """A stop that asks for more than comfortable braking is braked for more quickly, by this power."""
-PATIENCE_SHARE = 1.0
-"""Of comfortable braking over the way to a stop: nobody gains speed beyond what that ends."""
 HARDEST_MPS2 = 8.0
 """Dry asphalt gives no more."""
 LANDING_MPS, LANDING_S = 0.6, 1.5
 """Slower than this and no further from the stop than so many seconds, the vehicle is let roll
 out, exactly to the stop."""
-NEAR_M = 0.3
+NEAR_M = 0.1
 """As near as this a vehicle that stands creeps up to its stop."""
-CREEPING_STEPS = 60
+CREEPING_STEPS = 100
 """At most, for the rest of the way."""
 
 
@@ -78,15 +78,21 @@ class Foot:
         aim = self._aim_mps2(path_m, speed_mps)
         jerk = limits.jerk_per_step_mps2
         up, down = (3.0 * jerk if quick else jerk), jerk
-        stop_mps2 = EASING * speed_mps * speed_mps / left_m
-        if self._stopping or stop_mps2 >= limits.braking_mps2:
+        if self._stopping or self._is_time(speed_mps, left_m):
+            stop_mps2 = EASING * speed_mps * speed_mps / left_m
             self._stopping = stop_mps2 > RELEASE_SHARE * limits.braking_mps2
             aim = min(aim, -stop_mps2)
             down *= max(stop_mps2 / limits.braking_mps2, 1.0) ** URGENCY
         elif aim > 0.0:
-            useful_mps = sqrt(PATIENCE_SHARE * limits.braking_mps2 * left_m)
+            # nobody gains speed that has to be braked away at once
+            useful_mps = sqrt(limits.braking_mps2 * left_m)
             aim = min(aim, max(useful_mps - speed_mps, 0.0) * GAINING_PER_S)
         return max(min(aim, now_mps2 + up), now_mps2 - down, -HARDEST_MPS2)
+
+    def _is_time(self, speed_mps: float, left_m: float) -> bool:
+        """Whether a stop will ask for comfortable braking when the foot is on the brake."""
+        then_m = left_m - REACTION_S * speed_mps
+        return EASING * speed_mps * speed_mps >= self._limits.braking_mps2 * then_m
 
     def _aim_mps2(self, path_m: float, speed_mps: float) -> float:
         """What the ceiling here and a moment ahead asks for."""
