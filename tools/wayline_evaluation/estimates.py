@@ -19,7 +19,7 @@ def turn_between(times_s: Floats, known_s: Floats, angles_deg: Floats) -> Floats
         for part in (np.sin(angles_rad), np.cos(angles_rad))
     )
     turned_deg: Floats = np.degrees(np.arctan2(sin, cos)) % 360.0
-    return turned_deg
+    return np.where(turned_deg == 360.0, 0.0, turned_deg)
 
 
 @dataclass(frozen=True, slots=True)
