@@ -1,47 +1,86 @@
-"""The doctor's check of receivers on serial lines."""
+"""The doctor's check of serial lines: the configured receivers', and what else is plugged in."""
 
-import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from serial.tools import list_ports
 
 from wayline.settings import LiveNmea
-from wayline_cli.check import Check, fine, wrong
+from wayline_cli.check import Check, fine, note, wrong
+from wayline_cli.listen_serial import Hearing
+from wayline_gps_ingest.links import UBX_ONLY
 
 SERIAL = "serial://"
 
-SerialState = Callable[[str], str | None]
-"""What is wrong with a device, None where nothing is."""
+Listen = Callable[[LiveNmea], Hearing]
 Devices = Callable[[], list[str]]
 
 
-def check_receivers(
-    receivers: Sequence[LiveNmea], state: SerialState, devices: Devices
-) -> list[Check]:
-    """Receivers on serial lines; those on the network come and go by themselves."""
+def check_receivers(receivers: Sequence[LiveNmea], listen: Listen, devices: Devices) -> list[Check]:
+    """Receivers on serial lines, all at once; those on the network come and go by themselves."""
+    configured = [each for each in receivers if each.url.startswith(SERIAL)]
+    known = {Path(device_of(each)).resolve() for each in configured}
+    present = devices()
+    others = [
+        LiveNmea(url=f"{SERIAL}{device}")
+        for device in present
+        if Path(device).resolve() not in known
+    ]
+    lines = [*configured, *others]
+    if not lines:
+        return []
+    with ThreadPoolExecutor(len(lines)) as threads:
+        heard = iter(list(threads.map(listen, lines)))
     return [
-        _check_line(receiver.url.removeprefix(SERIAL), state, devices)
-        for receiver in receivers
-        if receiver.url.startswith(SERIAL)
+        *(_configured(each, next(heard), present) for each in configured),
+        *(_other(each, next(heard)) for each in others),
     ]
 
 
-def _check_line(device: str, state: SerialState, devices: Devices) -> Check:
-    subject, problem = f"receiver {device}", state(device)
+def device_of(receiver: LiveNmea) -> str:
+    """The device that a URL names."""
+    return receiver.url.removeprefix(SERIAL).partition("?")[0]
+
+
+def _configured(receiver: LiveNmea, heard: Hearing, present: Sequence[str]) -> Check:
+    subject = f"receiver {device_of(receiver)}"
+    problem = heard.problem
     if problem is None:
-        return fine(subject, "there, may be read and written")
-    if "not there" in problem:
-        present = ", ".join(devices()) or "none"
-        return wrong(subject, problem, f"plug it in or correct [[nmea]] url (present: {present})")
-    return wrong(subject, problem, "add the services' user to the device's group (dialout)")
+        return _speaking(subject, heard)
+    if "in use" in problem:
+        return fine(subject, problem)
+    if "is not there" in problem:
+        there = ", ".join(present) or "none"
+        return wrong(subject, problem, f"plug it in or correct [[nmea]] url (present: {there})")
+    if "dialout" in problem:
+        return wrong(subject, problem, "add the services' user to the device's group (dialout)")
+    return wrong(subject, _with_note(problem, heard), _mend(heard))
 
 
-def serial_state(device: str) -> str | None:
-    """Whether a serial device is there and may be used."""
-    if not Path(device).exists():
-        return "is not there"
-    return None if os.access(device, os.R_OK | os.W_OK) else "may not be read and written"
+def _other(receiver: LiveNmea, heard: Hearing) -> Check:
+    """A device that no [[nmea]] names: perhaps the receiver that is looked for, perhaps a modem."""
+    subject = f"serial line {device_of(receiver)}"
+    if heard.problem is None:
+        return _speaking(subject, heard, unused=f'give [[nmea]] url = "{receiver.url}"')
+    return fine(subject, f"{_with_note(heard.problem, heard)}; no [[nmea]] names it")
+
+
+def _speaking(subject: str, heard: Hearing, unused: str = "") -> Check:
+    found = f"{heard.note}: {' '.join(heard.sentences)}, {'a fix' if heard.has_fix else 'no fix'}"
+    mend = "" if heard.has_fix else "give the antenna a view of the sky and some minutes"
+    mends = "; ".join(filter(None, (unused, mend)))
+    return note(subject, found, mends) if mends else fine(subject, found)
+
+
+def _with_note(problem: str, heard: Hearing) -> str:
+    return f"{problem} ({heard.note})" if heard.note else problem
+
+
+def _mend(heard: Hearing) -> str:
+    if UBX_ONLY in (heard.note or ""):
+        return "switch its NMEA output on, or put gpsd before it (docs/connect-a-receiver.md)"
+    return "check power, wiring and baud rate (docs/connect-a-receiver.md)"
 
 
 def serial_devices() -> list[str]:

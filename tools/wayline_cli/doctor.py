@@ -116,17 +116,14 @@ def network(settings: Settings, services: Sequence[str], *, is_default: bool) ->
 
 
 def devices(settings: Settings) -> list[Check]:
-    """Receivers and CAN interfaces of the configuration, where their packages are installed."""
+    """Serial lines, and CAN interfaces of the configuration, where their packages are installed."""
     checks = []
     # they come with the extras of the ingest services; that they are missing is said elsewhere
-    if settings.nmea and is_installed("serial"):
-        from wayline_cli.check_serial import (  # noqa: PLC0415
-            check_receivers,
-            serial_devices,
-            serial_state,
-        )
+    if is_installed("serial") and is_installed("pynmea2"):
+        from wayline_cli.check_serial import check_receivers, serial_devices  # noqa: PLC0415
+        from wayline_cli.listen_serial import listen  # noqa: PLC0415
 
-        checks += check_receivers(settings.nmea, serial_state, serial_devices)
+        checks += check_receivers(settings.nmea, listen, serial_devices)
     if settings.can and is_installed("can"):
         from wayline_cli.check_can import check_can, try_can  # noqa: PLC0415
 

@@ -44,6 +44,8 @@ REFUSALS: dict[int | None, str] = {
     errno.EBUSY: "in use by another program",
 }
 """Of a device, for people."""
+UBX_ONLY = "u-blox binary only"
+"""Of a receiver that is understood but says nothing in NMEA."""
 EXAMPLES = {"tcp": "tcp://host:10110", "udp": "udp://:10110", "gpsd": "gpsd://host:2947"}
 
 
@@ -138,7 +140,7 @@ class SerialLink:
         rate = f"{self._line.baudrate} baud"
         if self._search is not None and not self._search.is_found:
             return f"{rate} being tried"
-        return f"{rate}, u-blox binary only" if self._is_ubx else rate
+        return f"{rate}, {UBX_ONLY}" if self._is_ubx else rate
 
     def read(self) -> Heard:
         """What is there, else the first byte that comes."""

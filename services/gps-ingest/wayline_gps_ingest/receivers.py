@@ -13,6 +13,7 @@ from wayline_gps_ingest.links import Link, address_of
 RETRY_S = (0.1, 0.2, 0.5)
 """Between attempts to connect. The last goes on: soon enough for fixes within 2 s of a return,
 when the receiver itself takes one of them."""
+NOT_TRIED = "not tried yet"
 
 
 class Receiver:
@@ -26,7 +27,7 @@ class Receiver:
         self.is_gpsd = source.url.startswith("gpsd:")
         self._address = address_of(source)
         self._link: Link | None = None
-        self._error = "not tried yet"
+        self._error = NOT_TRIED
         self._connections = 0
         self._byte_s: float | None = None
         self._sentence_s: float | None = None

@@ -29,7 +29,6 @@ from wayline_cli.check_machine import (
     node_version,
 )
 from wayline_cli.check_network import check_http_ports, check_router, port_holder, try_session
-from wayline_cli.check_serial import check_receivers, serial_state
 from wayline_cli.doctor import check_vehicle, configured, data_folder, doctor, machine
 
 PACKAGE = "wayline_slope_map"
@@ -227,19 +226,6 @@ def test_a_router_that_is_not_there_is_wrong_unless_wayline_up_starts_it() -> No
         assert check.mend
     there = check_router(bus, own_router=False, open_session=lambda _: None)
     assert there.verdict is Verdict.FINE
-
-
-def test_serial_receivers_are_looked_for(tmp_path: Path) -> None:
-    device = tmp_path / "ttyUSB0"
-    receivers = [LiveNmea(url=f"serial://{device}"), LiveNmea(url="tcp://localhost:10110")]
-    (missing,) = check_receivers(receivers, serial_state, lambda: ["/dev/ttyS0"])
-    assert missing.verdict is Verdict.WRONG
-    assert "present: /dev/ttyS0" in missing.mend
-    device.touch()
-    (there,) = check_receivers(receivers, serial_state, list)
-    assert there.verdict is Verdict.FINE
-    (closed,) = check_receivers(receivers, lambda _: "may not be read and written", list)
-    assert "dialout" in closed.mend
 
 
 def test_can_interfaces_are_opened() -> None:
