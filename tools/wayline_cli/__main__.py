@@ -20,6 +20,8 @@ from rich.table import Table
 
 from wayline import __version__
 from wayline.errors import InputError
+from wayline_evaluation.commands import evaluate_app
+from wayline_simulator.command import simulate_command
 
 if TYPE_CHECKING:
     from wayline.settings import BusSettings
@@ -35,6 +37,8 @@ app = typer.Typer(
 route_app = typer.Typer(help="Routes for the arrivals service.", no_args_is_help=True)
 slope_app = typer.Typer(help="Slope databases.", no_args_is_help=True)
 app.add_typer(route_app, name="route")
+app.add_typer(evaluate_app, name="evaluate")
+app.command("simulate")(simulate_command)
 app.add_typer(slope_app, name="slope")
 
 ConfigOption = Annotated[Path, typer.Option(help="Configuration file (see deploy/wayline.toml).")]

@@ -51,7 +51,9 @@ class Damage(Strict, frozen=True, kw_only=True):
     @property
     def harms_frames(self) -> bool:
         """Whether any frame may be touched."""
-        return max(self.frames_lost, self.frames_short, self.frames_long, self.frames_repeated) > 0.0
+        return (
+            max(self.frames_lost, self.frames_short, self.frames_long, self.frames_repeated) > 0.0
+        )
 
 
 class Held(NamedTuple):

@@ -25,7 +25,7 @@ class Facts(Strict, frozen=True, kw_only=True):
     preset: str
     seed: int
     run: int
-    gps: GpsModel
+    gps: GpsModel | None
     gyro: GyroModel | None
     odometer: OdometerModel | None
     torque: TorqueModel | None
