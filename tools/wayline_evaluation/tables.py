@@ -79,7 +79,7 @@ def _consistency_row(consistency: Consistency) -> Iterator[str]:
         if inside is None:
             yield ""
         else:
-            yield f"{100.0 * inside.one_sigma:.0f}  {100.0 * inside.two_sigma:.0f}"
+            yield f"{100.0 * inside.one_sigma:.0f}/{100.0 * inside.two_sigma:.0f}"
     yield "" if consistency.nees_mean is None else f"{consistency.nees_mean:.2f}"
 
 

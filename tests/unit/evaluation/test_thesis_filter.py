@@ -19,7 +19,7 @@ SECONDS = 600
 
 def hill(sensor: Sensor) -> tuple[Floats, dict[Sensor, Floats]]:
     """A slope that grows by 0.01 % every second, and one sensor that tells it without an error."""
-    slopes_pct: Floats = 0.01 * np.arange(SECONDS)
+    slopes_pct = 0.01 * np.arange(SECONDS, dtype=np.float64)
     climbs_m = CRUISE_MPS * np.sin(np.arctan(slopes_pct / 100.0))
     alts_m: Floats = np.concatenate(([0.0], np.cumsum(climbs_m)[:-1]))
     measurements: dict[Sensor, Floats] = {kind: np.full(SECONDS, np.nan) for kind in SENSORS}

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
+from unit.evaluation.drives import eastwards
 from unit.evaluation.told_drives import FACTS, blocks, poses_s, sensed, truth
 from wayline_evaluation.pose_errors import PoseErrors, compared, pooled
+from wayline_evaluation.sensed import Sensed, Series
+from wayline_evaluation.wheel_wander import wheel_wander
 from wayline_evaluation.yardstick_run import told_estimates
 from wayline_simulator.gps_events import Outage
 
@@ -77,3 +80,16 @@ def test_it_knows_when_it_is_blind() -> None:
     blind = seconds[drives()[0].dead_reckoning]
     assert blind.min() == pytest.approx(OUTAGE.start_s + 1.0, abs=0.3)
     assert blind.max() >= OUTAGE.start_s + OUTAGE.length_s - 0.2
+
+
+def test_wheels_that_wander_are_measured_against_the_truth() -> None:
+    """Wheels that read 1 % high and low by turns of 40 s: std 1 %, correlated over such a time."""
+    known = eastwards(400.0)
+    high = np.where((known.times_s - known.times_s[0]) % 80.0 < 40.0, 1.01, 0.99)
+    wheels = Series(known.times_s, 10.0 * high)
+    nothing = Series(np.array([]), np.array([]))
+    drive = Sensed(known.times_s[0], known.times_s[-1], (), wheels, nothing, nothing, nothing)
+    wander = wheel_wander(drive, known)
+    assert wander is not None
+    assert wander.std == pytest.approx(0.01, abs=0.001)
+    assert 5.0 < wander.time_s < 40.0
