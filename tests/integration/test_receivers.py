@@ -8,6 +8,7 @@ that is busy elsewhere may hold up one of them.
 import contextlib
 import logging
 import random
+import re
 import time
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -136,7 +137,7 @@ def test_a_receiver_that_is_unplugged_comes_back_under_another_node(bench: Bench
         bench.plug.plug()
 
     bench.await_back(SERIAL, unplug_and_plug)
-    bench.await_said(SERIAL, "well, 9600 baud")
+    assert "well, 9600 baud" in bench.detail(bench.await_said(SERIAL, "well"), SERIAL)
 
 
 def test_noise_and_half_sentences_pass_and_are_counted(bench: Bench) -> None:
@@ -151,7 +152,7 @@ def test_noise_and_half_sentences_pass_and_are_counted(bench: Bench) -> None:
                 time.sleep(1.0 / RATE_HZ)
 
     bench.await_back(SERIAL, be_noisy)
-    assert bench.await_said(SERIAL, "torn").bad_input > 0
+    assert bench.await_said(SERIAL, "well").bad_input > 0
 
 
 def test_a_flood_at_ten_times_the_rate_blocks_nothing(bench: Bench) -> None:
@@ -159,7 +160,7 @@ def test_a_flood_at_ten_times_the_rate_blocks_nothing(bench: Bench) -> None:
 
     def flood() -> None:
         for _ in range(20 * RATE_HZ):
-            bench.plug.write(epoch(round(time.time() * RATE_HZ)))
+            bench.plug.write(epoch(int(time.time() * RATE_HZ)))
             time.sleep(0.1 / RATE_HZ)
         assert bench.back_s(UDP) < WAIT_S
 
@@ -212,8 +213,7 @@ def test_gpsd_that_is_killed_and_started_again_comes_back(bench: Bench) -> None:
 def test_health_and_metrics_tell_how_each_receiver_does(bench: Bench) -> None:
     """Ages of the last sentence and fix, the rate, and a gauge that an alarm can watch."""
     detail = bench.detail(bench.await_said(SERIAL, "well"), SERIAL)
-    assert "last sentence 0." in detail
-    assert "last fix" in detail
+    assert re.search(r"baud, last sentence \d+\.\d s ago, last fix \d+\.\d s ago", detail)
     with urllib.request.urlopen(f"{bench.system.url('gps-ingest')}/metrics", timeout=WAIT_S) as got:
         metrics = got.read().decode()
     for source in bench.urls:
