@@ -33,6 +33,8 @@ class EngineModel(Strict, frozen=True, kw_only=True):
     """Friction and pumping without fuel, and..."""
     drag_nm_per_rpm: NotNegative
     """...how it grows with speed."""
+    exhaust_brake_nm: NotNegative = 0.0
+    """What a valve in the exhaust adds to the drag at most; used before the wheel brakes."""
     inertia_kgm2: NotNegative
     """Crankshaft, flywheel and clutch."""
 
@@ -79,9 +81,9 @@ class TorqueTables:
             (*engine.torques_nm, 0.0),
         )
         fade = np.clip((speeds_rpm - engine.idle_rpm) / FUEL_CUT_FADE_RPM, 0.0, 1.0)
-        drag_nm = (engine.drag_nm + engine.drag_nm_per_rpm * speeds_rpm) * fade
+        drag_nm = engine.drag_nm + engine.exhaust_brake_nm + engine.drag_nm_per_rpm * speeds_rpm
         self._full_nm: list[float] = full_nm.tolist()
-        self._drag_nm: list[float] = drag_nm.tolist()
+        self._drag_nm: list[float] = (fade * drag_nm).tolist()
         self._last = len(self._full_nm) - 1
 
     def full_nm(self, speed_rpm: float) -> float:
@@ -89,7 +91,7 @@ class TorqueTables:
         return self._full_nm[min(int(speed_rpm / TABLE_STEP_RPM), self._last)]
 
     def drag_nm(self, speed_rpm: float) -> float:
-        """On the overrun, as a positive number; 0 at idle speed."""
+        """At most on the overrun, as a positive number; 0 at idle speed."""
         return self._drag_nm[min(int(speed_rpm / TABLE_STEP_RPM), self._last)]
 
 

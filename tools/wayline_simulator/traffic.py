@@ -21,7 +21,9 @@ SLOW_DOWN_LENGTH_M = 500.0
 SMOOTH_M = 60.0
 """Nobody's speed changes within fewer metres without a reason."""
 QUEUES_PER_KM = 0.5
-"""At density 1; judgement, as all of a queue is."""
+"""At density 1 in a town; judgement, as all of a queue is."""
+TOWN_MPS = 50.0 / 3.6
+"""On faster roads queues are rarer, with the square of the limit."""
 QUEUE_M = (40.0, 300.0)
 QUEUE_MPS = (2.0, 6.0)
 QUEUE_HALT_EVERY_M = 60.0
@@ -52,9 +54,10 @@ def queues(course: Course, driver: DriverModel, random: np.random.Generator) -> 
     found = []
     for start_m in np.sort(random.uniform(0.0, course.length_m, random.poisson(expected))):
         end_m = min(start_m + random.uniform(*QUEUE_M), course.length_m)
-        speed_mps = random.uniform(*QUEUE_MPS)
+        speed_mps, chance = random.uniform(*QUEUE_MPS), random.random()
         first, last = int(start_m / STEP_M), int(end_m / STEP_M) + 1
-        if course.limits_mps[first:last].min() > speed_mps:
+        limits_mps = course.limits_mps[first:last]
+        if limits_mps.min() > speed_mps and chance < (TOWN_MPS / limits_mps.max()) ** 2:
             found.append(Queue(float(start_m), float(end_m), speed_mps))
     return found
 

@@ -102,6 +102,7 @@ TRUCK = VehicleModel(
         launch_rpm=700.0,
         drag_nm=60.0,
         drag_nm_per_rpm=0.08,
+        exhaust_brake_nm=600.0,
         inertia_kgm2=3.5,
     ),
     gearbox=GearboxModel(
@@ -144,6 +145,7 @@ BUS = VehicleModel(
         launch_rpm=850.0,
         drag_nm=40.0,
         drag_nm_per_rpm=0.05,
+        exhaust_brake_nm=250.0,
         inertia_kgm2=1.6,
     ),
     gearbox=GearboxModel(
@@ -158,7 +160,7 @@ BUS = VehicleModel(
         up_light_rpm=1350.0,
         up_full_rpm=2050.0,
         down_light_rpm=900.0,
-        down_full_rpm=1150.0,
+        down_full_rpm=1300.0,
         skip=0,
         pause_s=1.8,
     ),

@@ -73,18 +73,29 @@ def test_red_lights_are_waited_at_and_green_ones_passed() -> None:
 
 
 def test_it_reverses_between_turns() -> None:
-    """Reverse gear exactly where the course goes backwards, slowly, and standing at both turns."""
+    """Reverse gear exactly where the course goes backwards, slowly, and standing at both turns,
+    though the course names one 40 cm off and the other not at all.
+    """
     backwards = level(120.0)
     backwards[160:180] = 1.0
-    halts = (Halt(80.0, "turn", 2.0), Halt(90.0, "park", 12.0))
+    halts = (Halt(79.6, "turn", 2.0), Halt(110.0, "park", 12.0))
     motion = driven(laid(level(120.0), halts=halts, backwards=backwards))
     moving = motion.speeds_mps > 0.0
     behind = (motion.path_m > 80.0 - 1e-9) & (motion.path_m < 90.0 - 1e-9)
     assert np.array_equal(motion.gear[moving] == -1, behind[moving])
     assert motion.speeds_mps[behind].max() <= STEADY.reverse_mps + 0.05
     assert standing_s(motion, 80.0) == pytest.approx(1.5, abs=0.1)
-    assert standing_s(motion, 90.0) == pytest.approx(12.0, abs=0.1)
-    assert not motion.brake[(motion.path_m == 90.0) & ~moving].any()
+    assert standing_s(motion, 90.0) == pytest.approx(1.5, abs=0.1)
+
+
+def test_a_parked_vehicle_idles_without_a_foot_on_the_brake() -> None:
+    """For the time that is given, in neutral; at a stop the foot stays on the brake."""
+    halts = (Halt(50.0, "park", 12.0), Halt(100.0, "stop", 12.0))
+    motion = driven(laid(level(150.0), halts=halts))
+    assert standing_s(motion, 50.0) == pytest.approx(12.0, abs=0.1)
+    assert not motion.brake[(motion.path_m == 50.0) & (motion.speeds_mps == 0.0)].any()
+    assert motion.brake[(motion.path_m == 100.0) & (motion.speeds_mps == 0.0)][1:-1].all()
+    assert not motion.gear[(motion.path_m == 50.0) & (motion.speeds_mps == 0.0)][1:-1].any()
 
 
 @pytest.mark.parametrize("vehicle", VEHICLES)
@@ -114,14 +125,14 @@ def test_nobody_is_thrown_about(vehicle: str) -> None:
     assert np.abs(jerk_mps3[~halting]).max() < 15.0
 
 
+@pytest.mark.parametrize("grade", [-0.05, -0.03, 0.03, 0.05, 0.06, 0.07])
 @pytest.mark.parametrize("vehicle", VEHICLES)
-def test_gears_and_brakes_do_not_chatter(vehicle: str) -> None:
-    """On a steady climb at a steady speed nothing is changed any more."""
-    motion = driven(laid(ramp(4000.0, 0.03, 1000.0), limit_mps=12.0), vehicle)
-    steady = (motion.path_m > 2000.0) & (motion.path_m < 3800.0)
-    assert np.count_nonzero(np.diff(motion.gear[steady])) == 0
-    assert not motion.brake[steady].any()
-    assert np.ptp(motion.speeds_mps[steady]) < 0.3
+def test_gears_and_brakes_do_not_chatter(vehicle: str, grade: float) -> None:
+    """On an even slope at most one more shift, and the foot comes to the brake once at most."""
+    motion = driven(laid(ramp(4000.0, grade, 500.0)), vehicle)
+    even = (motion.path_m > 2000.0) & (motion.path_m < 3500.0)
+    assert np.count_nonzero(np.diff(motion.gear[even])) <= 1
+    assert np.count_nonzero(np.diff(motion.brake[even])) <= 1
 
 
 def test_a_laden_truck_loses_speed_on_a_steep_hill() -> None:
@@ -130,6 +141,7 @@ def test_a_laden_truck_loses_speed_on_a_steep_hill() -> None:
     assert motion.speeds_mps[motion.path_m < 2000.0].max() > 22.0
     steady = (motion.path_m > 4500.0) & (motion.path_m < 5500.0)
     assert 8.0 < motion.speeds_mps[steady].mean() < 11.0
+    assert np.ptp(motion.gear[steady]) == 0
 
 
 def test_a_truck_needs_its_brakes_downhill() -> None:

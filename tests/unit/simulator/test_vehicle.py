@@ -63,6 +63,15 @@ def test_height_counts_in_the_energy(vehicle: str) -> None:
     assert abs(balance.residual_share) < 1e-3
 
 
+def test_energy_is_conserved_in_reverse() -> None:
+    """Backwards up a ramp, which is a grade that falls in the direction of the nose."""
+    backwards = np.zeros(401)
+    backwards[100:300] = 1.0
+    course = laid(ramp(200.0, -0.08, 0.0), backwards=backwards)
+    balance = energy_balance(Journey(course, driven(course)), VEHICLES["car"])
+    assert abs(balance.residual_share) < 1e-3
+
+
 @pytest.mark.parametrize("vehicle", VEHICLES)
 def test_the_driveline_always_costs(vehicle: str) -> None:
     """Of the crankshaft's work 5 to 20 % never reach the road: efficiency, clutch, overrun."""
@@ -99,7 +108,8 @@ def test_the_engine_stays_within_its_limits(vehicle: str) -> None:
     assert motion.engine_speed_rpm.min() >= 0.85 * engine.idle_rpm
     assert motion.engine_speed_rpm.max() <= engine.speeds_rpm[-1]
     assert motion.engine_torque_nm.max() <= max(engine.torques_nm)
-    drag_nm = engine.drag_nm + engine.drag_nm_per_rpm * motion.engine_speed_rpm
+    most_nm = engine.drag_nm + engine.exhaust_brake_nm
+    drag_nm = most_nm + engine.drag_nm_per_rpm * motion.engine_speed_rpm
     assert np.all(motion.engine_torque_nm >= -1.02 * drag_nm)
     assert motion.engine_torque_nm.min() < -0.5 * drag_nm.min()
 
