@@ -12,8 +12,8 @@ import tty
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from wayline_cli.demo_receiver import sentence
 from wayline_cli.local_system import free_ports
+from wayline_simulator.nmea_text import sentence
 
 RATE_HZ = 5
 GPSD = shutil.which("gpsd") or shutil.which("gpsd", path="/usr/sbin:/usr/local/sbin")
@@ -29,7 +29,7 @@ def epoch(index: int) -> bytes:
         f"GPGGA,{clock},{place},1,08,0.9,545.4,M,46.9,M,,",
         f"GPRMC,{clock},A,{place},022.4,084.4,{now:%d%m%y},,,A",
     )
-    return "".join(f"{sentence(body)}\r\n" for body in bodies).encode()
+    return b"".join(sentence(body) + b"\r\n" for body in bodies)
 
 
 class Talker:

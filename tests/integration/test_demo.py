@@ -15,8 +15,7 @@ import pytest
 from websockets.sync.client import connect
 
 from wayline.errors import InputError
-from wayline_cli.demo_drive import VEHICLE_ID
-from wayline_cli.demo_files import PORT_COUNT, SHUTTLE_ID, check_ports, choose_ports
+from wayline_cli.demo_files import PORT_COUNT, SHUTTLE_ID, TRUCK_ID, check_ports, choose_ports
 from wayline_dashboard.view import FleetView
 
 START_S = 90.0
@@ -95,10 +94,10 @@ def demo(tmp_path: Path) -> Iterator[Running]:
 
 def seen_until_live(port: int) -> dict[str, set[str]]:
     """What the page was told of each vehicle, until there is nothing left to hope for."""
-    seen: dict[str, set[str]] = {SHUTTLE_ID: set(), VEHICLE_ID: set()}
+    seen: dict[str, set[str]] = {SHUTTLE_ID: set(), TRUCK_ID: set()}
     deadline_s = time.monotonic() + LIVE_S
     with connect(f"ws://127.0.0.1:{port}/v1/live", open_timeout=START_S) as page:
-        while not ({"gps", "arrivals"} <= seen[SHUTTLE_ID] and "fused" in seen[VEHICLE_ID]):
+        while not ({"gps", "arrivals"} <= seen[SHUTTLE_ID] and "fused" in seen[TRUCK_ID]):
             if time.monotonic() > deadline_s:
                 break
             told = msgspec.json.decode(page.recv(timeout=LIVE_S), type=FleetView)
@@ -115,7 +114,7 @@ def test_the_demo_comes_to_life_and_ends_without_a_trace(demo: Running) -> None:
     demo.await_line(f"http://127.0.0.1:{demo.port}")
     seen = seen_until_live(demo.port)
     assert {"gps", "arrivals"} <= seen[SHUTTLE_ID]
-    assert "fused" in seen[VEHICLE_ID]
+    assert "fused" in seen[TRUCK_ID]
     # the demo itself, the router, four services for both vehicles, three players
     assert len(demo.processes()) == 9
     assert demo.end() == 0

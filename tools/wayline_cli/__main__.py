@@ -94,7 +94,7 @@ def demo_command(
     no_open: Annotated[bool, typer.Option("--no-open", help="Do not open the page.")] = False,
     seconds: Annotated[float | None, typer.Option(help="End after so many seconds.")] = None,
 ) -> None:
-    """Run the whole system live on this machine, with a shuttle and a car; Ctrl-C ends it."""
+    """Run the whole system live on this machine, with a shuttle and a truck; Ctrl-C ends it."""
     from wayline_cli.demo import demo
 
     demo(

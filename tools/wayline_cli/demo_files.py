@@ -11,20 +11,22 @@ import msgspec
 
 from wayline.errors import InputError
 from wayline.http_settings import PORTS
-from wayline_cli.demo_drive import VEHICLE_ID, write_demo_drive
 from wayline_cli.up import Child, service_command
+from wayline_simulator.drive_folder import simulate
+from wayline_simulator.scenario import load_scenario
 
 LOOPBACK = "127.0.0.1"
 ROUTER_PORT, RERUN_PORT = 7447, 9876
-CAR_GPS = "gps-ingest-2"
-"""The car's; the first is the shuttle's."""
+TRUCK_GPS = "gps-ingest-2"
+"""The truck's; the first is the shuttle's."""
 SHUTTLE_ID = "target-shuttle"
+TRUCK_ID = "hill-truck"
 SHUTTLE_FOLDERS = (
     Path(__file__).with_name("avl-shuttle"),
     Path(__file__).parents[2] / "deploy" / "demo" / "avl-shuttle",
 )
 """In the wheel, in a checkout."""
-VEHICLES = (SHUTTLE_ID, VEHICLE_ID)
+VEHICLES = (SHUTTLE_ID, TRUCK_ID)
 PORT_COUNT = len(PORTS) + 3
 
 
@@ -53,7 +55,7 @@ class Demo:
 
 def choose_ports(first: int | None) -> Ports:
     """The services' own ports, or PORT_COUNT in a row. Raises InputError where there are none."""
-    names = [*PORTS, CAR_GPS]
+    names = [*PORTS, TRUCK_GPS]
     if first is None:
         return Ports(_row(names, PORTS["dashboard"]), ROUTER_PORT, RERUN_PORT)
     highest = 65_536 - PORT_COUNT
@@ -98,25 +100,25 @@ def find_shuttle() -> Path:
 
 
 def prepare(folder: Path, ports: Ports) -> Demo:
-    """Write the car's drive and the configuration files into a folder. Raises InputError."""
-    shuttle, car = find_shuttle(), folder / "demo-car"
-    write_demo_drive(car)
+    """Write the simulated truck's drive and the configuration files. Raises InputError."""
+    shuttle, truck = find_shuttle(), folder / "demo-truck"
+    simulate(load_scenario("demo-truck"), truck)
     has_rerun = find_spec("rerun") is not None
-    routes = [str(shuttle / "route.geojson"), str(car / "route.geojson")]
+    routes = [str(shuttle / "route.geojson"), str(truck / "route.geojson")]
     of_all = _configuration(folder, ports, ports.http, routes, has_rerun=has_rerun)
     # with one route, its line is the road, and a lap is learned as soon as it ends
     of_slopes = _configuration(folder, ports, ports.http, routes[1:], has_rerun=False)
-    car_ports = ports.http | {"gps-ingest": ports.http[CAR_GPS]}
-    of_car = _configuration(folder, ports, car_ports, [], has_rerun=False)
+    truck_ports = ports.http | {"gps-ingest": ports.http[TRUCK_GPS]}
+    of_truck = _configuration(folder, ports, truck_ports, [], has_rerun=False)
     config = _written(folder / "wayline.toml", of_all)
     slope_config = _written(folder / "slope-map.toml", of_slopes)
-    car_config = _written(folder / "demo-car.toml", of_car)
+    truck_config = _written(folder / "demo-truck.toml", of_truck)
     services = [
         *(Child(name, service_command(name, config)) for name in ("fusion", "eta", "dashboard")),
         Child("slope-map", service_command("slope-map", slope_config)),
         Child("gps-ingest", _player("gps-ingest", config, shuttle)),
-        Child(CAR_GPS, _player("gps-ingest", car_config, car)),
-        Child("can-ingest", _player("can-ingest", car_config, car)),
+        Child(TRUCK_GPS, _player("gps-ingest", truck_config, truck)),
+        Child("can-ingest", _player("can-ingest", truck_config, truck)),
     ]
     router = (sys.executable, "-m", "wayline.router", "--config", str(config))
     stages = [[Child("router", router)], services]

@@ -8,21 +8,21 @@ from threading import Thread
 
 import pytest
 
+from wayline.drive import load_drive
 from wayline.errors import InputError
 from wayline.http_settings import PORTS
 from wayline.settings import load_settings
 from wayline.stop import Stop
 from wayline_cli import demo_files, demo_ready
 from wayline_cli.demo import addresses, demo, has_display
-from wayline_cli.demo_drive import VEHICLE_ID
-from wayline_cli.demo_files import CAR_GPS, Demo, Ports, check_ports, choose_ports, prepare
+from wayline_cli.demo_files import TRUCK_GPS, Demo, Ports, check_ports, choose_ports, prepare
 from wayline_cli.demo_ready import await_live, missing
 from wayline_cli.journal import journal_in
 
 
 def test_without_a_wish_the_ports_are_the_services_own() -> None:
     ports = choose_ports(None)
-    assert ports.http == {**PORTS, CAR_GPS: 8006}
+    assert ports.http == {**PORTS, TRUCK_GPS: 8006}
     assert (ports.router, ports.rerun) == (7447, 9876)
 
 
@@ -79,13 +79,13 @@ def test_every_process_listens_where_the_demo_looks(prepared: tuple[Path, Demo])
     assert found == ready.ports.http
 
 
-def test_the_slopes_have_the_cars_road_and_the_arrivals_both_routes(
+def test_the_slopes_have_the_trucks_road_and_the_arrivals_both_routes(
     prepared: tuple[Path, Demo],
 ) -> None:
     folder, _ = prepared
     assert len(load_settings(folder / "wayline.toml", {}).routes) == 2
     assert load_settings(folder / "slope-map.toml", {}).routes == (
-        str(folder / "demo-car" / "route.geojson"),
+        str(folder / "demo-truck" / "route.geojson"),
     )
 
 
@@ -205,5 +205,6 @@ def test_a_journal_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         pass
 
 
-def test_the_car_is_the_drives() -> None:
-    assert demo_files.VEHICLES == (demo_files.SHUTTLE_ID, VEHICLE_ID)
+def test_the_vehicles_are_the_drives(prepared: tuple[Path, Demo]) -> None:
+    drives = (demo_files.find_shuttle(), prepared[0] / "demo-truck")
+    assert tuple(load_drive(drive).drive.vehicle_id for drive in drives) == demo_files.VEHICLES
