@@ -58,6 +58,8 @@ class GpsFix(Message, frozen=True, kw_only=True):
     course_std_deg: Positive | None = None
     repeat: bool = False
     """The receiver sent its last fix again instead of a fresh one; then `valid` is false."""
+    speed_derived: bool = False
+    """The receiver tells no speed: this is the distance from its last fix over the time since."""
 
 
 class Satellite(msgspec.Struct, frozen=True, kw_only=True):

@@ -115,7 +115,9 @@ class FusionCore:
 
     def _fix_event(self, fix: GpsFix, lat_deg: float, lon_deg: float) -> Fix:
         position_std_m = horizontal_std_m(fix, self._tuning)
-        speed_mps, speed_std_mps = fix.speed_mps, fix.speed_std_mps
+        # a speed derived from the positions is no second measurement beside them
+        speed_mps = None if fix.speed_derived else fix.speed_mps
+        speed_std_mps = fix.speed_std_mps
         course_deg, course_std_deg = fix.course_deg, fix.course_std_deg
         if speed_mps is None and (motion := self._displacement.motion(fix, position_std_m)):
             speed_mps, speed_std_mps = motion.speed_mps, motion.speed_std_mps

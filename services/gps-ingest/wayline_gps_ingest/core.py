@@ -10,6 +10,7 @@ from wayline.inputs import Flush, PositionReport, Sentence, Tick
 from wayline.messages import GpsFix, Message
 from wayline_gps_ingest.cycle import EpochAssembler
 from wayline_gps_ingest.decode import decode
+from wayline_gps_ingest.displacement import Displacement
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
 from wayline_gps_ingest.parsing import parse
@@ -41,6 +42,7 @@ class GpsIngestCore:
         self._assembler = EpochAssembler()
         self._timeline = Timeline(date)
         self._clock = SteadyClock()
+        self._displacement = Displacement()
         self._faults: Counter[str] = Counter()
         self._waiting = WaitingRoom()
         self._checked = False
@@ -142,7 +144,8 @@ class GpsIngestCore:
         t_ns = self._steady_ns(fix, raw_ns - self._latency_ns)
         if t_ns is None:
             return []
-        messages: list[Message] = [msgspec.structs.replace(fix, t_ns=t_ns)]
+        fix = msgspec.structs.replace(fix, t_ns=t_ns)
+        messages: list[Message] = [self._displacement.filled(fix) if fix.valid else fix]
         if epoch.in_view and t_ns // SECOND_NS != self._sky_second:
             # once in a whole second, whatever the receiver's rate
             self._sky_second = t_ns // SECOND_NS

@@ -9,11 +9,13 @@ from typing import Literal, NamedTuple, TypedDict
 
 from wayline.messages import FixKind
 from wayline_gps_ingest.fields import (
+    M_PER_FOOT,
     MPS_PER_KMPH,
     MPS_PER_KNOT,
     bearing_deg,
     count,
     date_of,
+    dilution,
     latitude_deg,
     longitude_deg,
     not_negative,
@@ -61,6 +63,8 @@ class Facts(TypedDict, total=False):
     lat_deg: float
     lon_deg: float
     alt_m: float
+    other_alt_m: float
+    """Coarser than the one beside the position, for want of that."""
     geoid_sep_m: float
     speed_mps: float
     course_deg: float
@@ -110,11 +114,14 @@ def _gns(parsed: Parsed, fields: list[str]) -> Observation:
     if best:
         facts["quality"] = MODES[best]
     _levels(facts, satellites=fields[6], hdop=fields[7], alt_m=fields[8], sep_m=fields[9])
+    if parsed.talker != "GN" and not fields[5]:
+        # beside the GNGNS that has the position, one a constellation tells only its corrections
+        facts = Facts()
     return Observation(f"{parsed.talker}GNS", "GNS", time_of_day_ns(fields[0]), facts)
 
 
 def _rmc(parsed: Parsed, fields: list[str]) -> Observation:
-    facts = _position(fields[2:6], valid=fields[1] == "A")
+    facts = _position(fields[2:6], valid=fields[1] in ("A", "D"))
     facts["rmc_valid"] = "lat_deg" in facts
     _motion(facts, not_negative(fields[6]), MPS_PER_KNOT, fields[7])
     date = fields[8]
@@ -138,6 +145,9 @@ def _gll(parsed: Parsed, fields: list[str]) -> Observation:
 
 def _vtg(parsed: Parsed, fields: list[str]) -> Observation:
     facts = Facts()
+    key = f"{parsed.talker}VTG"
+    if fields[8] == "N":
+        return Observation(key, "VTG", None, facts)
     # before NMEA 0183 2.0 the letters of the units were not sent
     knots, kmph = (fields[4], fields[6]) if fields[1] in ("T", "") else (fields[2], fields[3])
     speed_knots = not_negative(knots)
@@ -145,7 +155,7 @@ def _vtg(parsed: Parsed, fields: list[str]) -> Observation:
         _motion(facts, speed_knots, MPS_PER_KNOT, fields[0])
     else:
         _motion(facts, not_negative(kmph), MPS_PER_KMPH, fields[0])
-    return Observation(f"{parsed.talker}VTG", "VTG", None, facts)
+    return Observation(key, "VTG", None, facts)
 
 
 def _gsa(parsed: Parsed, fields: list[str]) -> Observation:
@@ -158,7 +168,7 @@ def _gsa(parsed: Parsed, fields: list[str]) -> Observation:
         ("vdop", fields[16]),
     )
     for name, text in dilutions:
-        value = positive(text)
+        value = dilution(text)
         if value is not None:
             facts[name] = value
     key = f"{parsed.talker}GSA{fields[17][:1]}"
@@ -166,8 +176,9 @@ def _gsa(parsed: Parsed, fields: list[str]) -> Observation:
 
 
 def _gsv(parsed: Parsed, fields: list[str]) -> Observation:
-    rest = (len(parsed.fields) - 3) % 4
-    signal = parsed.fields[-1][:1] if rest == 1 else ""
+    # four fields a satellite, and since NMEA 0183 4.10 the signal
+    has_signal = len(parsed.fields) > 3 and len(parsed.fields) % 4 == 0
+    signal = parsed.fields[-1][:1] if has_signal else ""
     end = "" if fields[0] == fields[1] else "+"
     key = f"{parsed.talker}GSV{signal}{end}"
     return Observation(key, "GSV", None, Facts(), parsed.fields, parsed.talker)
@@ -191,6 +202,15 @@ def _zda(parsed: Parsed, fields: list[str]) -> Observation:
     return Observation(f"{parsed.talker}ZDA", "ZDA", time_of_day_ns(fields[0]), facts)
 
 
+def _rmz(parsed: Parsed, fields: list[str]) -> Observation:
+    """Garmin's altitude above mean sea level in whole feet; dimension 2 has it from the user."""
+    facts = Facts()
+    altitude_ft = number(fields[0])
+    if altitude_ft is not None and fields[1] in ("f", "F") and fields[2] == "3":
+        facts["other_alt_m"] = altitude_ft * M_PER_FOOT
+    return Observation("PGRMZ", parsed.kind, None, facts)
+
+
 DECODERS: dict[str, Callable[[Parsed, list[str]], Observation]] = {
     "GGA": _gga,
     "GNS": _gns,
@@ -201,6 +221,7 @@ DECODERS: dict[str, Callable[[Parsed, list[str]], Observation]] = {
     "GSV": _gsv,
     "GST": _gst,
     "ZDA": _zda,
+    "RMZ": _rmz,
 }
 
 
@@ -216,11 +237,11 @@ def _position(fields: Sequence[str], *, valid: bool) -> Facts:
 
 
 def _levels(facts: Facts, *, satellites: str, hdop: str, alt_m: str, sep_m: str) -> None:
-    used, dilution = count(satellites), positive(hdop)
+    used, horizontal = count(satellites), dilution(hdop)
     if used is not None:
         facts["satellites"] = used
-    if dilution is not None:
-        facts["hdop"] = dilution
+    if horizontal is not None:
+        facts["hdop"] = horizontal
     altitude_m, separation_m = number(alt_m), number(sep_m)
     if altitude_m is not None and altitude_m > ALTITUDE_MIN_M:
         facts["alt_m"] = altitude_m

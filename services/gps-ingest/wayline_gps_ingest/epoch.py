@@ -93,7 +93,7 @@ class Epoch:
             valid=True,
             lat_deg=facts["lat_deg"],
             lon_deg=facts["lon_deg"],
-            alt_m=facts.get("alt_m"),
+            alt_m=facts.get("alt_m", facts.get("other_alt_m")),
             geoid_sep_m=facts.get("geoid_sep_m"),
             speed_mps=facts.get("speed_mps"),
             course_deg=facts.get("course_deg"),
@@ -110,7 +110,7 @@ class Epoch:
     def _mode(self) -> Literal[2, 3]:
         if self._gsa_mode > 1:
             return 3 if self._gsa_mode == 3 else 2
-        return 3 if "alt_m" in self.facts else 2
+        return 3 if "alt_m" in self.facts or "other_alt_m" in self.facts else 2
 
     def _satellites(self) -> int | None:
         """In use; GGA counts to 12 in many receivers, GSA lists them all."""

@@ -5,11 +5,14 @@ position that is there but cannot be one raises BadFieldError: its sentence is n
 """
 
 import datetime as dt
-import math
 
 SECOND_NS = 1_000_000_000
 MPS_PER_KNOT = 1852.0 / 3600.0
 MPS_PER_KMPH = 1.0 / 3.6
+M_PER_FOOT = 0.3048
+DILUTION_UNKNOWN = 99.0
+NUMBER_MAX = 1e9
+"""No quantity of any sentence comes near it; squares of it are still numbers."""
 
 
 class BadFieldError(ValueError):
@@ -17,14 +20,14 @@ class BadFieldError(ValueError):
 
 
 def number(text: str) -> float | None:
-    """A finite decimal number, else None."""
+    """A decimal number of any size that a receiver can mean, else None."""
     if not text:
         return None
     try:
         value = float(text)
     except ValueError:
         return None
-    return value if math.isfinite(value) else None
+    return value if abs(value) < NUMBER_MAX else None
 
 
 def count(text: str) -> int | None:
@@ -39,9 +42,15 @@ def not_negative(text: str) -> float | None:
 
 
 def positive(text: str) -> float | None:
-    """A number > 0, else None: a dilution or deviation of 0 means that it is not known."""
+    """A number > 0, else None: a deviation of 0 means that it is not known."""
     value = number(text)
     return value if value is not None and value > 0.0 else None
+
+
+def dilution(text: str) -> float | None:
+    """A dilution of precision, else None: 0 and 99.99 are what receivers write for unknown."""
+    value = positive(text)
+    return value if value is not None and value < DILUTION_UNKNOWN else None
 
 
 def bearing_deg(text: str) -> float | None:
@@ -68,8 +77,11 @@ def time_of_day_ns(text: str) -> int | None:
 
 
 def date_of(day: str, month: str, year: str) -> dt.date | None:
-    """A day from its three fields, 1980 (GPS time starts) to 2099; two digits end in 2079."""
-    if not (day or month or year):
+    """A day from its three fields, 1980 (GPS time starts) to 2099; two digits end in 2079.
+
+    Zeros are what a receiver writes that has not heard the date yet.
+    """
+    if not (day or month or year).strip("0"):
         return None
     numbers = count(day), count(month), count(year)
     if None in numbers:

@@ -15,6 +15,8 @@ import pynmea2
 Fault = Literal["checksum", "malformed", "torn"]
 
 KINDS = frozenset(("GGA", "RMC", "GSA", "GSV", "GST", "VTG", "GLL", "GNS", "ZDA"))
+PROPRIETARY = {"PGRMZ": ("PG", "RMZ"), "PQGSV": ("PQ", "GSV")}
+"""Talker and kind of those that are read too: Garmin's altitude, Quectel's satellites of QZSS."""
 FIELDS_MIN = {"GGA": 10, "RMC": 9, "GLL": 4, "GNS": 9, "GST": 8, "VTG": 4, "ZDA": 4, "GSA": 16}
 """Fields that a sentence must have where no checksum vouches for its being whole."""
 ADDRESS = re.compile(r"[$!]([A-Z0-9]{2}[A-Z0-9.]*)[,*]")
@@ -37,7 +39,8 @@ def parse(text: str) -> Parsed | Fault | None:
     if not address:
         return "malformed"
     name = address[1]
-    if len(name) != 5 or name[2:] not in KINDS or name[0] == "P" or text[0] != "$":
+    standard = len(name) == 5 and name[2:] in KINDS and name[0] != "P"
+    if text[0] != "$" or not (standard or name in PROPRIETARY):
         return None if _checksum_holds(text) else "checksum"
     try:
         sentence = pynmea2.parse(text)
@@ -46,9 +49,11 @@ def parse(text: str) -> Parsed | Fault | None:
     except pynmea2.ParseError:
         return "malformed" if _checksum_holds(text) else "checksum"
     checked = "*" in text
-    if not checked and len(sentence.data) < FIELDS_MIN.get(name[2:], 3):
+    # of a proprietary sentence pynmea2 takes the last letters of the address for a field
+    fields = sentence.data if standard else sentence.data[1:]
+    if not checked and len(fields) < FIELDS_MIN.get(name[2:], 3):
         return "torn"
-    return Parsed(name[:2], name[2:], sentence.data, checked)
+    return Parsed(name[:2], name[2:], fields, checked)
 
 
 def _checksum_holds(text: str) -> bool:

@@ -3,11 +3,11 @@
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from unit.gps_ingest.receiver import fixes, flush, gga, gsa, hear, line, rmc
-from wayline.framing import split_sentences
+from wayline.framing import SentenceSplitter, split_sentences
 from wayline.inputs import PositionReport, Sentence, Tick
 from wayline.messages import GpsSky
 from wayline_gps_ingest.core import GpsIngestCore
@@ -52,6 +52,44 @@ def test_no_fields_raise_and_time_never_goes_back(texts: list[str]) -> None:
     messages += core.handle(Tick(10**18), "test")
     messages += flush(core)
     assert all(first.t_ns <= second.t_ns for first, second in pairwise(messages))
+
+
+REAL = (
+    gga("120000"),
+    rmc("120000"),
+    gsa(),
+    line("GPGSV,1,1,01,07,46,259,26,1"),
+    line("GNGNS,120000,4807.038,N,01131.000,E,AN,12,0.93,1482.5,-16.5,,"),
+    line("GPGLL,4807.038,N,01131.000,E,120000,A,D"),
+    line("GPGST,120000,5.0,,,,3.0,4.0,7.5"),
+    line("GPVTG,054.7,T,034.4,M,010.0,N,018.5,K,A"),
+    line("GPZDA,120000,04,07,2012,,"),
+    line("PGRMZ,48,f,3"),
+    line("PQGSV,1,1,01,01,46,259,26,1"),
+)
+CUTS = st.tuples(st.sampled_from(REAL), st.integers(0, 80), st.integers(0, 80), st.booleans())
+
+
+@settings(max_examples=300)
+@given(st.lists(st.one_of(st.binary(max_size=20), CUTS), max_size=30))
+@example([(line("GPGSV,"), 0, 1, True)])  # found by tests/fuzz
+def test_no_torn_and_spliced_sentences_raise(
+    parts: list[bytes | tuple[str, int, int, bool]],
+) -> None:
+    """Real sentences without what stands between two places, some with a right checksum again."""
+    core, splitter = GpsIngestCore(), SentenceSplitter()
+    for part in parts:
+        chunk = part if isinstance(part, bytes) else without(*part)
+        hear(core, splitter.feed(chunk))
+    hear(core, splitter.end())
+    flush(core)
+
+
+def without(sentence: str, start: int, length: int, vouched: bool) -> bytes:
+    """A sentence without a part of it."""
+    body = sentence[1:].partition("*")[0]
+    rest = body[: 5 + start] + body[5 + start + length :]
+    return (checked(rest) if vouched else f"${rest}*00").encode()
 
 
 @given(st.integers(0, 2**20), st.binary(min_size=1, max_size=1))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from unit.gps_ingest.receiver import fixes, flush, gga, gsa, hear, line, rmc
+from unit.gps_ingest.receiver import POSITION, fixes, flush, gga, gsa, hear, line, rmc
 from wayline.inputs import Tick
 from wayline_gps_ingest.core import GpsIngestCore
 
@@ -61,6 +61,36 @@ def test_a_changed_order_is_learned_anew() -> None:
         hear(core, [gga(time), gsa(), rmc(time)])
     assert fixes(hear(core, [gga("120013"), gsa()])) == []
     assert len(fixes(hear(core, [rmc("120013")]))) == 1
+
+
+def test_each_of_two_cycles_in_turn_is_published_at_its_own_end() -> None:
+    """GLL has a time of its own; recorded in gpsd's garmin48 and eXplorist110 logs."""
+    core = GpsIngestCore()
+    for second in range(0, 8, 2):
+        hear(core, cycle(f"1200{second:02d}"))
+        hear(core, [line(f"GPGLL,{POSITION},1200{second + 1:02d},A"), line("PGRMZ,48,f,3")])
+    assert len(fixes(hear(core, cycle("120008")))) == 1
+    assert fixes(hear(core, [line(f"GPGLL,{POSITION},120009,A")])) == []
+    assert len(fixes(hear(core, [line("PGRMZ,48,f,3")]))) == 1
+
+
+def test_a_talker_that_changes_is_known_again_when_it_comes_back() -> None:
+    """Recorded in gpsd's nmea-rtk log: GP and GN by turns."""
+    core = GpsIngestCore()
+    settled(core)
+    for time in ("120010", "120011", "120012"):
+        hear(core, [line(text[1:-3].replace("GP", "GN")) for text in cycle(time)])
+    assert fixes(hear(core, cycle("120020")))[-1].t_ns // 10**9 % 60 == 20
+
+
+def test_a_cycle_whose_last_sentence_is_missing_is_published_with_the_next() -> None:
+    core = GpsIngestCore()
+    settled(core)
+    assert hear(core, [rmc("120003"), gga("120003")]) == []
+    (late,) = fixes(hear(core, [rmc("120004")]))
+    assert (late.t_ns // 10**9 % 60, late.alt_m) == (3, 545.4)
+    (fix,) = fixes(hear(core, [gga("120004"), gsa()]))
+    assert fix.t_ns // 10**9 % 60 == 4
 
 
 @pytest.mark.parametrize(("waited_ns", "published"), [(999_999_999, 0), (1_000_000_000, 1)])

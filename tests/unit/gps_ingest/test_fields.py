@@ -77,7 +77,7 @@ def test_a_date_that_cannot_be_one_is_refused(parts: tuple[str, str, str]) -> No
         fields.date_of(*parts)
 
 
-@pytest.mark.parametrize("text", ["", "0NaN", "nan", "inf", "1.2.3"])
+@pytest.mark.parametrize("text", ["", "0NaN", "nan", "-inf", "1.2.3", "1e200", "-9999999999"])
 def test_a_number_that_is_none_is_unknown(text: str) -> None:
     assert fields.number(text) is None
 
@@ -85,6 +85,16 @@ def test_a_number_that_is_none_is_unknown(text: str) -> None:
 def test_a_deviation_of_zero_is_unknown() -> None:
     assert fields.positive("0.0") is None
     assert fields.positive("0.7") == 0.7
+
+
+@pytest.mark.parametrize("text", ["0", "99.99", "99.00"])
+def test_a_dilution_that_receivers_write_for_unknown_is_unknown(text: str) -> None:
+    assert fields.dilution(text) is None
+    assert fields.dilution("98.9") == 98.9
+
+
+def test_a_date_of_zeros_is_unknown() -> None:
+    assert fields.date_of("00", "00", "00") is None
 
 
 def test_course_of_a_full_circle_is_north() -> None:

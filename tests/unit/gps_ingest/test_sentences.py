@@ -77,6 +77,61 @@ def test_vtg_of_any_age_gives_speed_and_course(vtg: str, speed_mps: float) -> No
     assert fix.course_deg == 54.7
 
 
+def test_vtg_that_is_not_valid_tells_nothing() -> None:
+    fix = fix_of(RMC, GGA, "GPVTG,000.0,T,,M,000.0,N,000.0,K,N")
+    assert fix.speed_mps == pytest.approx(22.4 * 0.514444, abs=1e-4)
+    assert fix.course_deg == 84.4
+
+
+def test_a_differential_rmc_is_valid() -> None:
+    assert fix_of(RMC.replace(",A,", ",D,")).valid
+
+
+def test_gns_of_one_constellation_beside_the_whole_does_not_take_the_fix_away() -> None:
+    """As NMEA 0183 has it: the GNGNS has the position, the others tell only their corrections."""
+    whole = f"GNGNS,123519,{POSITION},DA,12,0.93,1482.5,-16.5,,"
+    fix = fix_of(RMC, whole, "GPGNS,123519,,,,,,7,,,,5.2,23", "GLGNS,123519,,,,,,5,,,,5.2,23")
+    assert (fix.valid, fix.fix, fix.satellites, fix.alt_m) == (True, "dgps", 12, 1482.5)
+
+
+@pytest.mark.parametrize(
+    ("rmz", "alt_m"), [("PGRMZ,48,f,3", 14.6304), ("PGRMZ,48,f,2", None), ("PGRMZ,,f,1", None)]
+)
+def test_garmins_altitude_in_feet_stands_in_where_it_is_of_the_fix(
+    rmz: str, alt_m: float | None
+) -> None:
+    """Recorded in gpsd's garmin48 log; dimension 2 is an altitude that the user set."""
+    fix = fix_of("GPZDA,123519,23,03,1994,00,00", f"GPGLL,{POSITION},123519,A", rmz)
+    assert fix.alt_m == (alt_m and pytest.approx(alt_m))
+    assert fix.mode == (3 if alt_m else 2)
+
+
+def test_altitude_of_gga_stands_over_garmins_whole_feet() -> None:
+    assert fix_of(RMC, GGA, "PGRMZ,48,f,3").alt_m == 545.4
+
+
+def test_a_receiver_that_tells_no_speed_gets_one_from_its_positions_marked_as_derived() -> None:
+    """Recorded in gpsd's mr-350p log, and the speed that gpsd has for it."""
+    core = GpsIngestCore()
+    bodies = [
+        "GPZDA,051134.000,04,07,2012,,",
+        "GPGGA,051134.000,4744.6980,N,12206.7275,W,1,05,1.9,135.4,M,-17.1,M,18.8,0000",
+        "GPGGA,051135.000,4744.6981,N,12206.7273,W,1,05,1.9,134.7,M,-17.1,M,18.8,0000",
+        "GPGGA,051155.000,4744.6981,N,12206.7273,W,1,05,1.9,134.7,M,-17.1,M,18.8,0000",
+    ]
+    first, second, late = fixes(hear(core, map(line, bodies)) + flush(core))
+    assert (first.speed_mps, first.speed_derived) == (None, False)
+    assert second.speed_mps == pytest.approx(0.311, abs=0.001)
+    assert second.speed_derived
+    assert (late.speed_mps, late.speed_derived) == (None, False)
+
+
+def test_a_speed_that_the_receiver_tells_is_not_derived() -> None:
+    core = GpsIngestCore()
+    out = fixes(hear(core, [rmc("120000"), rmc("120001")]) + flush(core))
+    assert [fix.speed_derived for fix in out] == [False, False]
+
+
 def test_gst_is_one_sigma_an_axis() -> None:
     fix = fix_of(RMC, "GPGST,123519,5.0,,,,3.0,4.0,7.5")
     assert fix.h_std_m == pytest.approx(((9.0 + 16.0) / 2.0) ** 0.5)
@@ -162,6 +217,7 @@ def test_sky_names_systems_by_talker_and_number_and_says_which_are_used() -> Non
         "GPGSV,1,1,02,07,46,259,26,46,31,150,",
         "GLGSV,1,1,01,69,40,156,22",
         "GAGSV,1,1,01,07,-5,370,00,7",
+        "PQGSV,1,1,01,02,20,100,30,1",
     ]
     messages = hear(core, (line(body) for body in bodies)) + flush(core)
     (sky,) = [message for message in messages if isinstance(message, GpsSky)]
@@ -173,6 +229,7 @@ def test_sky_names_systems_by_talker_and_number_and_says_which_are_used() -> Non
         ("galileo", 7, -5.0, None, None, False),
         ("glonass", 69, 40.0, 156.0, 22.0, False),
         ("gps", 7, 46.0, 259.0, 26.0, True),
+        ("qzss", 2, 20.0, 100.0, 30.0, False),
         ("sbas", 46, 31.0, 150.0, None, False),
     ]
 
