@@ -1,4 +1,4 @@
-"""`wayline demo`: the whole system live on this machine, with a real shuttle and a made-up truck."""
+"""`wayline demo`: the whole system live here, with a recorded shuttle and a simulated truck."""
 
 import os
 import sys
