@@ -81,6 +81,7 @@ class Rollout:
             if standing > PATIENCE_STEPS:
                 where = f"course at {self._path_m:.0f} m"
                 raise InputError(where, "too steep for the vehicle", "take another vehicle")
+        # a rounding error before a turn would count as the wrong direction
         self._path_m = stop.distance_m
 
     def _step(self, stop_m: float) -> None:
