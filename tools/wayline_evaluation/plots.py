@@ -69,6 +69,7 @@ def _over_time(axes: "Axes", drive: ScoredDrive, name: str, std: str | None) -> 
         colour = COLOURS[filter_]
         axes.plot(errors.times_s - start_s, getattr(errors, name), color=colour, lw=0.7)
     seconds, values = fusion.times_s - start_s, getattr(fusion, name)
+    axes.set_xlim(seconds[0], seconds[-1])
     if std is not None:
         bound = 2.0 * getattr(fusion, std)
         axes.fill_between(seconds, -bound, bound, color=COLOURS["fusion"], alpha=0.15, lw=0.0)

@@ -140,6 +140,7 @@ class AltitudeYardstick:
         self._grade_walk_per_m = grade_walk_per_m
         self._fading_s = gps.first_error_time_s
         self._fix_s: float | None = None
+        self._altitude_s: float | None = None
         self._dilution = Dilution()
         self._last_pa, self._same = 0.0, 0
         self._start_alt_m = 0.0
@@ -176,15 +177,17 @@ class AltitudeYardstick:
 
     def fix(self, fix: GpsFix, time_s: float) -> None:
         """Take in the altitude of a 3-D fix, which the receiver may have smoothed."""
+        longest_s = 1.5 / self._gps.rate_hz
+        blind_s = 0.0 if self._fix_s is None else time_s - self._fix_s
+        self._fix_s = time_s
+        if blind_s > longest_s:
+            self._fading_s = self._gps.reacquire_error_time_s
+            severity = -math.expm1(-blind_s / FORGETTING_S)
+            self.state.set(S.COLD, 0.0, ALTITUDE_FACTOR * severity * self._gps.reacquire_error_m)
         if fix.alt_m is None or fix.mode == 2:
             return
-        blind_s = 0.0 if self._fix_s is None else time_s - self._fix_s
-        first = self._fix_s is None or blind_s > 1.5 / self._gps.rate_hz
-        if first and self._fix_s is not None:
-            self._fading_s = self._gps.reacquire_error_time_s
-            severity = -np.expm1(-blind_s / FORGETTING_S)
-            self.state.set(S.COLD, 0.0, ALTITUDE_FACTOR * severity * self._gps.reacquire_error_m)
-        self._fix_s = time_s
+        first = self._altitude_s is None or time_s - self._altitude_s > longest_s
+        self._altitude_s = time_s
         vdop = fix.vdop or VDOP_FACTOR * (fix.hdop or 1.0)
         self._smooth(self._dilution.at(vdop, time_s), first=first)
         row = np.zeros((1, len(S)))
