@@ -1,4 +1,8 @@
-"""The process that plays receivers over TCP, in turns with bare messages to the echo."""
+"""The process that plays receivers over TCP, in turns with its yardsticks at the same pace.
+
+These are bare messages to the echo, and pynmea2 alone on the same bursts: work that comes in
+bursts costs more than in a tight loop, because others have had the caches in between.
+"""
 
 import contextlib
 import socket
@@ -11,6 +15,7 @@ import zenoh
 
 from wayline.bus import open_session
 from wayline.settings import BusSettings
+from wayline_bench.bare_nmea import FIX_READERS, parse_and_read
 from wayline_bench.echo import ASK, numbered
 from wayline_bench.made_up_log import RATE_HZ, epoch_lines, instant_ns
 
@@ -20,6 +25,10 @@ SETTLE_S = 0.2
 """What was sent last has been worked off by then."""
 CONNECT_S = 60.0
 """Twenty processes that start on two cores take their time."""
+
+
+Send = Callable[[int, int], None]
+"""Is given the receiver and the epoch."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +42,8 @@ class Plan:
     rounds: int
     round_s: float
     echo_bytes: int
+    kinds: frozenset[str]
+    """Of sentences that the receivers send."""
 
 
 @dataclass(frozen=True)
@@ -47,32 +58,33 @@ class Fed:
     """CPU seconds a second, each round."""
     idle_shares: list[float] = field(default_factory=list)
     """The same while the receivers were silent."""
+    bare_shares: list[float] = field(default_factory=list)
+    """What `pynmea2.parse` alone spent on the same bursts at the same pace."""
 
 
 def feed(plan: Plan) -> Fed:
-    """Wait for every receiver's reader, warm it up, then sentences and echoes in turns."""
+    """Wait for every receiver's reader, warm it up, then let sentences and yardsticks take turns.
+
+    Raises TimeoutError where a reader does not come.
+    """
     fed = Fed()
     processes = [psutil.Process(pid) for pid in plan.pids]
-    epochs_a_round = round(plan.round_s * RATE_HZ)
-    warm_up = round(WARM_UP_S * RATE_HZ)
-    bursts = [_burst(epoch) for epoch in range(warm_up + plan.rounds * epochs_a_round)]
+    warm_up, length = round(WARM_UP_S * RATE_HZ), round(plan.round_s * RATE_HZ)
+    bursts = [_burst(epoch, plan.kinds) for epoch in range(warm_up + plan.rounds * length)]
     with contextlib.ExitStack() as stack:
         peers = [stack.enter_context(peer) for peer in _accepted(plan.ports)]
         session = stack.enter_context(open_session(plan.bus))
-        echo = session.declare_publisher(ASK)
-        _send(range(warm_up), len(peers), lambda who, epoch: peers[who].sendall(bursts[epoch]))
+        send_fix = _fix_sender(peers, bursts, fed)
+        send_echo = _echo_sender(session.declare_publisher(ASK), fed, plan.echo_bytes)
+        _pace(range(warm_up), len(peers), lambda who, epoch: peers[who].sendall(bursts[epoch]))
         for number in range(plan.rounds):
-            start = warm_up + number * epochs_a_round
-            epochs = range(start, start + epochs_a_round)
-
-            def send_fix(who: int, epoch: int) -> None:
-                fed.fix_sent_s[who, instant_ns(epoch)] = time.monotonic()
-                peers[who].sendall(bursts[epoch])
-
+            start = warm_up + number * length
+            epochs = range(start, start + length)
             with _spent(processes, fed.core_shares):
-                _send(epochs, len(peers), send_fix)
+                _pace(epochs, len(peers), send_fix)
             with _spent(processes, fed.idle_shares):
-                _send(epochs, len(peers), _echo_sender(echo, fed, plan.echo_bytes))
+                _pace(epochs, len(peers), send_echo)
+            fed.bare_shares.append(_bare_share(epochs, len(peers), bursts))
     return fed
 
 
@@ -85,11 +97,19 @@ def _accepted(ports: Sequence[int]) -> Iterator[socket.socket]:
             yield peer
 
 
-def _burst(epoch: int) -> bytes:
-    return "".join(f"{line}\r\n" for line in epoch_lines(epoch)).encode()
+def _burst(epoch: int, kinds: frozenset[str]) -> bytes:
+    return "".join(f"{line}\r\n" for line in epoch_lines(epoch) if line[3:6] in kinds).encode()
 
 
-def _echo_sender(echo: zenoh.Publisher, fed: Fed, size_bytes: int) -> Callable[[int, int], None]:
+def _fix_sender(peers: Sequence[socket.socket], bursts: Sequence[bytes], fed: Fed) -> Send:
+    def send(who: int, epoch: int) -> None:
+        fed.fix_sent_s[who, instant_ns(epoch)] = time.monotonic()
+        peers[who].sendall(bursts[epoch])
+
+    return send
+
+
+def _echo_sender(echo: zenoh.Publisher, fed: Fed, size_bytes: int) -> Send:
     def send(who: int, epoch: int) -> None:
         del who, epoch
         number = len(fed.echo_sent_s)
@@ -100,7 +120,22 @@ def _echo_sender(echo: zenoh.Publisher, fed: Fed, size_bytes: int) -> Callable[[
     return send
 
 
-def _send(epochs: range, receivers: int, send: Callable[[int, int], None]) -> None:
+def _bare_share(epochs: range, receivers: int, bursts: Sequence[bytes]) -> float:
+    """CPU seconds a second of this thread alone, the waiting between the bursts left out."""
+    spent_s = 0.0
+
+    def parse(who: int, epoch: int) -> None:
+        nonlocal spent_s
+        del who
+        started_s = time.thread_time()
+        parse_and_read(bursts[epoch].decode().splitlines(), FIX_READERS)
+        spent_s += time.thread_time() - started_s
+
+    _pace(epochs, receivers, parse)
+    return spent_s * RATE_HZ / len(epochs)
+
+
+def _pace(epochs: range, receivers: int, send: Send) -> None:
     """Each epoch of each receiver at its time; the receivers are spread evenly over an epoch."""
     started_s = time.monotonic()
     for epoch in epochs:

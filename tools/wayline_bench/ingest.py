@@ -62,7 +62,7 @@ def sentence_rows(name: str, lines: Sequence[str], say: Say) -> list[Row]:
 
     return [
         row("sentence to gps_fix", "ours", "fix", SENTENCE_BAR),
-        row("sentence to gps_fix and gps_sky", "ours", "all"),
+        row("sentence to gps_fix and gps_sky", "ours", "all", SENTENCE_BAR),
         row("a receiver's bytes to gps_fix", "received", "fix"),
         row("experiment: split in place of pynmea2", "split", "fix"),
     ]

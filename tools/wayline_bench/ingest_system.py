@@ -28,10 +28,13 @@ SERVICE = "gps-ingest"
 
 
 class Layout(NamedTuple):
-    """Receivers shared out among processes: by vehicle, the ports of its receivers."""
+    """Receivers of one kind shared out among processes."""
 
     name: str
     ports: Mapping[str, Sequence[int]]
+    """Of each vehicle's receivers; a vehicle has one process."""
+    kinds: frozenset[str]
+    """Of sentences that they send."""
 
     @property
     def all_ports(self) -> tuple[int, ...]:
@@ -85,7 +88,7 @@ def live(layout: Layout, rounds: int, round_s: float, echo_bytes: int) -> Lived:
         session = stack.enter_context(open_session(system.bus))
         ears = stack.enter_context(_listening(session))
         pids = tuple(system.pid(vehicle_id) for vehicle_id in layout.ports)
-        plan = Plan(layout.all_ports, pids, system.bus, rounds, round_s, echo_bytes)
+        plan = Plan(layout.all_ports, pids, system.bus, rounds, round_s, echo_bytes, layout.kinds)
         # not forked: Zenoh's threads would not come along
         spawn = multiprocessing.get_context("spawn")
         fed = stack.enter_context(ProcessPoolExecutor(1, spawn)).submit(feed, plan).result()
