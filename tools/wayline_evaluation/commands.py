@@ -25,6 +25,8 @@ evaluate_app = typer.Typer(
     help="Studies of how good estimates are, on any drives.", no_args_is_help=True
 )
 
+FILE_WIDTH = 120
+"""Where no terminal sets a width, tables are not cut."""
 Drives = Annotated[list[Path], typer.Argument(help="Drives' folders (with drive.toml).")]
 Out = Annotated[Path | None, typer.Option(help="Keep the replays in this folder.")]
 Json = Annotated[Path | None, typer.Option("--json", help="File for programs to read.")]
@@ -140,6 +142,8 @@ def _tell(tables: "Iterable[Table]", report: "msgspec.Struct", json: Path | None
     from msgspec import json as codec
 
     console = Console()
+    if not console.is_terminal:
+        console = Console(width=FILE_WIDTH)
     for table in tables:
         console.print(table)
         console.print()
