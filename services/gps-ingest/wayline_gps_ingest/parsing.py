@@ -6,7 +6,7 @@ decimals, and cost more than the parsing itself.
 """
 
 import re
-from functools import reduce
+from functools import lru_cache, reduce
 from operator import xor
 from typing import Literal, NamedTuple
 
@@ -38,9 +38,8 @@ def parse(text: str) -> Parsed | Fault | None:
     address = ADDRESS.match(text)
     if not address:
         return "malformed"
-    name = address[1]
-    standard = len(name) == 5 and name[2:] in KINDS and name[0] != "P"
-    if text[0] != "$" or not (standard or name in PROPRIETARY):
+    known = _known(address[1])
+    if known is None or text[0] != "$":
         return None if _checksum_holds(text) else "checksum"
     try:
         sentence = pynmea2.parse(text)
@@ -50,10 +49,22 @@ def parse(text: str) -> Parsed | Fault | None:
         return "malformed" if _checksum_holds(text) else "checksum"
     checked = "*" in text
     # of a proprietary sentence pynmea2 takes the last letters of the address for a field
-    fields = sentence.data if standard else sentence.data[1:]
-    if not checked and len(fields) < FIELDS_MIN.get(name[2:], 3):
+    talker, kind, is_proprietary = known
+    fields = sentence.data[1:] if is_proprietary else sentence.data
+    if not checked and len(fields) < FIELDS_MIN.get(kind, 3):
         return "torn"
-    return Parsed(name[:2], name[2:], fields, checked)
+    return Parsed(talker, kind, fields, checked)
+
+
+# a receiver has a dozen addresses and says them many times a second
+@lru_cache(maxsize=256)
+def _known(address: str) -> tuple[str, str, bool] | None:
+    """Talker, kind and whether it is proprietary, of an address that gps-ingest reads."""
+    if address in PROPRIETARY:
+        return (*PROPRIETARY[address], True)
+    if len(address) == 5 and address[2:] in KINDS and address[0] != "P":
+        return address[:2], address[2:], False
+    return None
 
 
 def _checksum_holds(text: str) -> bool:
