@@ -1,6 +1,7 @@
 """`bench ingest`: what gps-ingest costs beside bare pynmea2, and live beside bare Zenoh."""
 
 import os
+import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -31,7 +32,8 @@ def bench(say: Say) -> list[Row]:
     if recorded.is_file():
         logs = {RECORDED.name: recorded_lines(recorded)} | logs
     else:
-        say(f"{RECORDED.name} is left out: no such file in the folder that WAYLINE_DATA names")
+        reason = f"no {RECORDED} in the folder that WAYLINE_DATA names"
+        print(f"{RECORDED.name} is left out: {reason}", file=sys.stderr)
     rows = [row for name, lines in logs.items() for row in sentence_rows(name, lines, say)]
     return [*rows, *live_rows(say)]
 

@@ -65,7 +65,7 @@ def _rows(lived: Lived, core_share_bar: float | None) -> list[Row]:
     heard, sent = [float(len(lived.fix_ms))], [float(len(fed.fix_sent_s))]
     return [
         compared(f"{name}: CPU", fed.core_shares, cores, "core", bar=core_share_bar),
-        compared(f"{name}: CPU", fed.core_shares, fed.bare_shares, "core pynmea2.parse alone"),
+        compared(f"{name}: CPU", fed.core_shares, fed.bare_shares, "core, pynmea2.parse alone"),
         compared(f"{name}: CPU while silent", fed.idle_shares, cores, "core"),
         compared(f"{name}: fixes heard", heard, sent, "sent"),
         *(_latency(f"{name}: sentence to fix", lived, percent) for percent in (50, 99)),
