@@ -132,6 +132,31 @@ def slope_command(
         plot_slope(profiles, plot)
 
 
+@evaluate_app.command("sensors")
+def sensors_command(
+    drives: Annotated[
+        list[Path], typer.Argument(help="Drives' folders, or NMEA logs with dates; pooled.")
+    ],
+    *,
+    beside: Annotated[
+        list[Path] | None,
+        typer.Option(help="A drive to compare with, in a column of its own; may be repeated."),
+    ] = None,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """What sensors do at rest and from sample to sample; a receiver's errors where truth is."""
+    from wayline_evaluation.sensor_plots import plot_sensors
+    from wayline_evaluation.sensor_study import sensor_study
+    from wayline_evaluation.sensor_tables import sensor_tables
+
+    with _progress("drives") as progressed:
+        report, groups = sensor_study(drives, beside or [], progressed)
+    _tell(sensor_tables(report, groups), report, json)
+    if plot is not None:
+        plot_sensors(groups, plot)
+
+
 def _outage(text: str) -> "Outage":
     from wayline_cli.__main__ import parse_outage
 
@@ -156,14 +181,14 @@ def _tell(tables: "Iterable[Table]", report: "msgspec.Struct", json: Path | None
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
-    """How many replays are done, on a terminal."""
+def _progress(what: str = "replays") -> Iterator[Callable[[int, int], None]]:
+    """How many of them are done, on a terminal."""
     console = Console(stderr=True)
-    columns = (TextColumn("replays"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(
         *columns, console=console, transient=True, disable=not console.is_terminal
     ) as bar:
-        task = bar.add_task("replays")
+        task = bar.add_task(what)
 
         def progressed(done: int, total: int) -> None:
             bar.update(task, completed=done, total=total)

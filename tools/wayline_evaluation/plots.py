@@ -35,7 +35,7 @@ def plot_accuracy(drives: Sequence[ScoredDrive], path: Path) -> None:
     shown = [
         row for row in OVER_TIME if not np.isnan(getattr(first.errors["fusion"], row[0])).all()
     ]
-    figure = _figure(11.0, 4.0 + 2.0 * len(shown))
+    figure = new_figure(11.0, 4.0 + 2.0 * len(shown))
     axes = figure.subplots(len(shown) + 1, 1, height_ratios=[2.0] + [1.0] * len(shown))
     _distribution(axes[0], drives)
     for one, (name, std, title) in zip(axes[1:], shown, strict=True):
@@ -43,7 +43,7 @@ def plot_accuracy(drives: Sequence[ScoredDrive], path: Path) -> None:
         one.set(ylabel=title)
         one.grid(visible=True, alpha=0.3)
     axes[-1].set(xlabel=f"{first.drive}: time, s (shaded: 2 sigma; grey: dead reckoning)")
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def _distribution(axes: "Axes", drives: Sequence[ScoredDrive]) -> None:
@@ -83,7 +83,7 @@ def _over_time(axes: "Axes", drive: ScoredDrive, name: str, std: str | None) -> 
 
 def plot_outages(report: OutageReport, path: Path) -> None:
     """Where poses ended up at the end of outages, and what share of the way that is."""
-    figure = _figure(11.0, 5.5)
+    figure = new_figure(11.0, 5.5)
     places, shares = figure.subplots(1, 2)
     for name, colour in COLOURS.items():
         scores = [score for score in report.outages if score.filter == name]
@@ -109,12 +109,12 @@ def plot_outages(report: OutageReport, path: Path) -> None:
         xlim=(0.0, None),
         ylim=(0.0, 1.1 * highest_m),
     )
-    _save(figure, path)
+    save_figure(figure, path)
 
 
 def plot_slope(profiles: Profiles, path: Path) -> None:
     """Every way's runs over the road, the truth beneath."""
-    figure = _figure(11.0, 2.2 * len(profiles.ways) + 0.5)
+    figure = new_figure(11.0, 2.2 * len(profiles.ways) + 0.5)
     axes = figure.subplots(len(profiles.ways), 1, sharex=True, squeeze=False)[:, 0]
     for one, (name, grades_pct) in zip(axes, profiles.ways.items(), strict=True):
         one.plot(profiles.distances_m / 1000.0, profiles.true_pct, color="0.6", lw=2.5)
@@ -122,16 +122,18 @@ def plot_slope(profiles: Profiles, path: Path) -> None:
         one.set(ylabel=f"{name}, %")
         one.grid(visible=True, alpha=0.3)
     axes[-1].set(xlabel="distance, km (thick: truth, thin: a run each)")
-    _save(figure, path)
+    save_figure(figure, path)
 
 
-def _figure(width: float, height: float) -> "Figure":
+def new_figure(width: float, height: float) -> "Figure":
+    """An empty one, inches."""
     from matplotlib.figure import Figure  # noqa: PLC0415  -- slow to import
 
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def _save(figure: "Figure", path: Path) -> None:
+def save_figure(figure: "Figure", path: Path) -> None:
+    """Write it as PNG. Raises InputError."""
     try:
         figure.savefig(path, dpi=DPI)
     except (OSError, ValueError) as error:
