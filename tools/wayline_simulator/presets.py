@@ -115,7 +115,6 @@ THESIS = Preset(
 CSS = Preset(
     # 129 s until the first fix, 72 m of height wrong then and 11 m after 12 s, 102 of 2374 missing
     gps=GpsModel(
-        position_white_std_m=0.3,
         position_wander_std_m=1.5,
         latency_s=0.35,
         first_fix_s=129.0,
