@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+import msgspec
+
 from wayline.errors import InputError
 from wayline.route import Route, write_route
 from wayline_simulator.bus_frames import bus_frames
@@ -20,7 +22,8 @@ from wayline_simulator.drive_file import (
     TRUTH_NAME,
     drive_toml,
 )
-from wayline_simulator.facts import write_facts
+from wayline_simulator.facts import Facts, write_facts
+from wayline_simulator.happenings import happenings
 from wayline_simulator.receiver import nmea_lines
 from wayline_simulator.road import make_course
 from wayline_simulator.scenario import Scenario
@@ -88,7 +91,12 @@ def _write(run: Run, scenario: Scenario, route: Route, folder: Path) -> None:
     (folder / "drive.toml").write_text(text, encoding="utf-8")
     write_truth(run.journey, run.start_s, folder / TRUTH_NAME)
     write_route(route, folder / ROUTE_NAME)
-    write_facts(run.facts, folder)
+    write_facts(_all_facts(run, scenario), folder)
+
+
+def _all_facts(run: Run, scenario: Scenario) -> Facts:
+    happened = happenings(run.journey, scenario.events, run.start_s, run.assumed.wheel_radius_m)
+    return msgspec.structs.replace(run.facts, happenings=happened)
 
 
 def _description(scenario: Scenario, number: int) -> str:

@@ -12,6 +12,7 @@ from wayline.toml import Strict
 from wayline_simulator.barometer import BarometerModel
 from wayline_simulator.gps import GpsModel
 from wayline_simulator.gyro import GyroModel
+from wayline_simulator.happenings import Happenings
 from wayline_simulator.odometer import OdometerModel
 from wayline_simulator.torque import TorqueModel
 from wayline_simulator.weather import Weather
@@ -33,6 +34,7 @@ class Facts(Strict, frozen=True, kw_only=True):
     weather: Weather
     mass_kg: float
     """The vehicle's true mass; drive.toml has it with the model's error."""
+    happenings: Happenings = Happenings()
 
 
 def write_facts(facts: Facts, folder: Path) -> None:

@@ -48,6 +48,9 @@ LEAST_LENGTHS_M = {
 """So that a motorway has its ramps and a loop room for its bends."""
 TUNNELS_M = {"motorway": MOTORWAY.tunnels_m, "urban": (120.0, 450.0)}
 
+GENTLER = ("main", "hills", "urban")
+"""The others cross themselves, and must keep their heights."""
+
 
 class RoadModel(Strict, frozen=True, kw_only=True):
     """`[road]`"""
@@ -68,6 +71,10 @@ class RoadModel(Strict, frozen=True, kw_only=True):
     """Of kind `file`: GeoJSON, GPX, truth.csv or the folder of a drive."""
     limit_mps: Positive | None = None
     """Of kind `file` without planned speeds; default 50 km/h."""
+    relief: Annotated[float, Meta(gt=0.0, le=1.0)] = 1.0
+    """Of kinds `main`, `hills` and `urban`: grades as a share of what such a road may have."""
+    open_sky: bool = False
+    """Neither trees nor houses by the road."""
     tunnels: int | tuple[Stretch, ...] = 0
     """How many, or where."""
     canyons: tuple[Stretch, ...] = ()
@@ -88,6 +95,9 @@ def make_course(road: RoadModel, seed: int, folder: Path = Path()) -> Course:
         plan, start = plan_along(str(path), line, start, road.limit_mps, random, loop=loop)
     else:
         plan = _plan(road, random)
+    plan.grade *= road.relief
+    if road.open_sky:
+        plan.surroundings[plan.surroundings < Surroundings.BRIDGE] = Surroundings.OPEN
     if road.laps > 1 and not plan.loop:
         raise InputError("road.laps", "the road is no loop", "set road.loop = true or laps = 1")
     _furnish(plan, road, random)
@@ -103,6 +113,9 @@ def _check(road: RoadModel) -> None:
         raise InputError("road.stops", "no bus stops in a garage", "remove it")
     if road.kind == "eight" and road.loop is False:
         raise InputError("road.loop", "an eight is a loop", "remove it")
+    if road.relief != 1.0 and road.kind not in GENTLER:
+        mend = f"remove it, or take {', '.join(GENTLER)}"
+        raise InputError("road.relief", f"kind {road.kind} keeps its own", mend)
     least_m = LEAST_LENGTHS_M.get(road.kind, 0.0)
     if road.length_m is not None and road.length_m < least_m:
         what = f"{road.length_m:g} m is too short for kind {road.kind}"

@@ -15,7 +15,7 @@ from wayline_simulator.driver import DriverModel
 from wayline_simulator.gps_events import GpsEvents
 from wayline_simulator.presets import PRESETS, Preset
 from wayline_simulator.road import RoadModel
-from wayline_simulator.vehicle import VEHICLES
+from wayline_simulator.vehicle import VEHICLES, VehicleModel
 from wayline_simulator.weather import Weather
 
 SHIPPED = Path(__file__).with_name("scenarios")
@@ -32,6 +32,8 @@ class Scenario(Strict, frozen=True, kw_only=True):
     vehicle_id: VehicleId = "simulated"
     vehicle: str = "car"
     """A name in `wayline_simulator.vehicle.VEHICLES`."""
+    mass_kg: Annotated[float, Meta(gt=0.0)] | None = None
+    """Loaded otherwise than that vehicle."""
     preset: str = "consumer"
     """A name in `wayline_simulator.presets.PRESETS`."""
     sensors: tuple[SensorName, ...] = SENSORS
@@ -53,6 +55,11 @@ class Scenario(Strict, frozen=True, kw_only=True):
     barometer: Overlay = {}
     events: GpsEvents = msgspec.field(default_factory=GpsEvents)
     damage: Damage = msgspec.field(default_factory=Damage)
+
+    def vehicle_model(self) -> VehicleModel:
+        """The vehicle with its load."""
+        model = VEHICLES[self.vehicle]
+        return msgspec.structs.replace(model, mass_kg=self.mass_kg or model.mass_kg)
 
     def sensor_models(self) -> Preset:
         """The preset with this scenario's differences, without the sensors that are left out."""

@@ -20,7 +20,7 @@ from wayline_simulator.journey import Journey
 from wayline_simulator.presets import Preset
 from wayline_simulator.scenario import Scenario
 from wayline_simulator.torque import assumed_vehicle
-from wayline_simulator.vehicle import VEHICLES, vehicle_table
+from wayline_simulator.vehicle import vehicle_table
 from wayline_simulator.vehicle_sensors import VehicleSamples, measure_vehicle
 from wayline_simulator.weather import Weather
 from wayline_simulator.weather import drawn as drawn_weather
@@ -67,7 +67,7 @@ def simulate_run(scenario: Scenario, course: Course, number: int) -> Run:
     def random(part: Part) -> np.random.Generator:
         return randomness(scenario, number, part)
 
-    vehicle, models = VEHICLES[scenario.vehicle], scenario.sensor_models()
+    vehicle, models = scenario.vehicle_model(), scenario.sensor_models()
     weather = drawn_weather(scenario.weather, random(Part.WEATHER))
     driver = drawn_driver(scenario.driver, random(Part.DRIVER))
     journey = Journey(course, drive(course, vehicle, driver, weather, random(Part.MOTION)))
@@ -91,7 +91,7 @@ def simulate_run(scenario: Scenario, course: Course, number: int) -> Run:
 
 def _assumed(scenario: Scenario, models: Preset) -> Vehicle:
     """The vehicle as its drive.toml has it: with a mass that is off, and the receiver's latency."""
-    model = VEHICLES[scenario.vehicle]
+    model = scenario.vehicle_model()
     vehicle = vehicle_table(model, model.mass_kg)
     if models.torque:
         vehicle = assumed_vehicle(vehicle, models.torque, randomness(scenario, 0, Part.MASS))
@@ -110,5 +110,5 @@ def _facts(scenario: Scenario, models: Preset, weather: Weather, number: int) ->
         torque=models.torque,
         barometer=models.barometer,
         weather=weather,
-        mass_kg=VEHICLES[scenario.vehicle].mass_kg,
+        mass_kg=scenario.vehicle_model().mass_kg,
     )

@@ -37,6 +37,11 @@ class TorqueModel(Strict, frozen=True, kw_only=True):
     """Judgement."""
     offset_std_pct: NotNegative = 0.5
     """Accessories that the unit does not know, in percent of the reference torque; judgement."""
+    offset_wander_std_pct: NotNegative = 0.3
+    """Of a first-order Gauss-Markov process on top: the fan, compressor and generator take their
+    share or not; judgement. A truck's fan alone takes some 20 kW at full speed."""
+    offset_wander_time_s: Positive = 60.0
+    """Judgement."""
     noise_pct: NotNegative = 0.5
     """Judgement: cycle to cycle and idle control."""
     resolution_pct: Positive = 1.0
@@ -113,11 +118,13 @@ def measure(
     instants_s = grid_s - model.latency_s
     motion = journey.motion
     step = motion_steps(motion, instants_s)
-    wander = gauss_markov(
-        count, 1.0 / model.rate_hz, model.gain_wander_std, model.gain_wander_time_s, random
-    )
+    step_s = 1.0 / model.rate_hz
+    wander = gauss_markov(count, step_s, model.gain_wander_std, model.gain_wander_time_s, random)
     true_pct = 100.0 * motion.engine_torque_nm[step] / reference_torque_nm(vehicle)
     errors_pct = offset_pct + model.noise_pct * random.standard_normal(count)
+    errors_pct += gauss_markov(
+        count, step_s, model.offset_wander_std_pct, model.offset_wander_time_s, random
+    )
     read_pct = true_pct * (gain + wander) + errors_pct
     if not model.overrun_reported:
         read_pct = np.maximum(read_pct, 0.0)

@@ -33,6 +33,7 @@ CAR = Vehicle(
 QUIET_ENGINE = TorqueModel(
     gain_std=0.0,
     gain_wander_std=0.0,
+    offset_wander_std_pct=0.0,
     offset_std_pct=0.0,
     noise_pct=0.0,
     resolution_pct=1e-4,
