@@ -81,7 +81,7 @@ def test_the_truths_speed_and_heading_lead_along_its_positions(small: Path) -> N
     parallels = np.cos(lats_rad) / np.cos(lats_rad[0])
     north_m = np.sum(steps_m * np.cos(middle_rad))
     east_m = np.sum(steps_m * np.sin(middle_rad) * 2.0 / (parallels[1:] + parallels[:-1]))
-    assert steps_m.sum() == pytest.approx(4000.0, abs=5.0)
+    assert steps_m.sum() == pytest.approx(4000.0, abs=0.5)
     assert np.hypot(east_m, north_m) < 0.02
 
 

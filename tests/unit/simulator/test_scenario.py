@@ -99,6 +99,15 @@ def test_runs_share_the_vehicle_and_differ_in_driver_day_and_noise() -> None:
     assert first.assumed == second.assumed
 
 
+def test_another_seed_draws_other_noise_on_the_same_road() -> None:
+    """The seed is not the road's alone."""
+    scenario = overlaid(Scenario(preset="mems"), {"road": SHORT})
+    course = make_course(scenario.road, scenario.seed)
+    first, second = (simulate_run(overlaid(scenario, {"seed": seed}), course, 1) for seed in (1, 2))
+    assert first.facts.weather != second.facts.weather
+    assert first.assumed != second.assumed
+
+
 def test_one_sensor_more_or_less_leaves_the_others_as_they_were() -> None:
     """Every part draws from random numbers of its own."""
     whole = overlaid(Scenario(preset="mems"), {"road": SHORT})
