@@ -13,11 +13,16 @@ class Gaussian:
         self.mean = mean
         self.covariance = np.diag(np.square(stds))
 
+    def copy(self) -> "Gaussian":
+        """One that goes its own way; arrays are never changed in place but by `set`."""
+        other = Gaussian(self.mean.copy(), np.zeros(len(self.mean)))
+        other.covariance = self.covariance.copy()
+        return other
+
     def advance(self, mean: Floats, transition: Floats, noise: Floats) -> None:
-        """To a predicted mean; `noise` is the diagonal of the process noise, (n,)."""
+        """To a predicted mean; `noise` is the process noise's covariance, (n, n)."""
         self.mean = mean
-        self.covariance = transition @ self.covariance @ transition.T
-        self.covariance[np.diag_indices_from(self.covariance)] += noise
+        self.covariance = transition @ self.covariance @ transition.T + noise
 
     def correct(
         self, innovation: Floats, sensitivity: Floats, noise: Floats, gate: float | None = None

@@ -11,6 +11,8 @@ from wayline_evaluation.sensed import Sensed, Series
 STANDING_S = 0.5
 """Wheels at rest so long on either side of an instant: the vehicle stands. Ahead, too, because a
 wheel sensor's dead zone hides the first turn of the wheels."""
+LONGEST_S = 60.0
+"""No road is so straight that a steering hand rests for longer; judgement."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +54,14 @@ def integral(rates: Series, times_s: Floats) -> Floats:
 def period_s(series: Series) -> float:
     """Usual time between samples."""
     return float(np.median(np.diff(series.times_s)))
+
+
+def changing_s(rates: Series, step: float) -> float:
+    """How long a rate, averaged over a second, takes to change by a step."""
+    seconds_s = np.arange(rates.times_s[0], rates.times_s[-1])
+    means = np.diff(integral(rates, seconds_s))
+    change = max(float(np.mean(np.abs(np.diff(means)))), step / LONGEST_S)
+    return max(step / change, period_s(rates))
 
 
 def _steady_s(wheels: Series, times_s: Floats) -> Floats:

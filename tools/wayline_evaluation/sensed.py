@@ -1,14 +1,15 @@
 """What a drive's sensors measured, as arrays: the input of the filters that judge and compare."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wayline.drive import Drive
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
-from wayline_cli.stream import DriveStream, Outage, with_outages
+from wayline_cli.stream import DriveStream, Outage
 from wayline_evaluation.estimates import Floats
 
 
@@ -33,6 +34,8 @@ class Sensed:
     end_s: float
     fixes: tuple[GpsFix, ...]
     """Valid ones only, in order of time."""
+    blind_s: Floats
+    """How long the receiver said that it has no fix before each of them; 0 in a row of fixes."""
     speed_mps: Series
     """Of the wheels, negative where the vehicle said that it reverses."""
     yaw_rate_degps: Series
@@ -41,10 +44,9 @@ class Sensed:
     """The vehicle's own; empty where it reports none."""
 
 
-def sense(drive: Drive, where: Path, outages: Sequence[Outage] = ()) -> Sensed:
+def sense(drive: Drive, where: Path) -> Sensed:
     """Read a drive. Raises InputError."""
-    arrivals = with_outages(DriveStream(drive, str(where)), outages)
-    return sensed_of(arrival.message for arrival in arrivals)
+    return sensed_of(arrival.message for arrival in DriveStream(drive, str(where)))
 
 
 def sensed_of(messages: Iterable[Message]) -> Sensed:
@@ -53,17 +55,48 @@ def sensed_of(messages: Iterable[Message]) -> Sensed:
     for message in messages:
         kinds.setdefault(type(message), []).append(message)
     times_ns = [message.t_ns for each in kinds.values() for message in each]
-    found = (message for message in kinds.get(GpsFix, ()) if isinstance(message, GpsFix))
-    fixes = sorted((fix for fix in found if fix.valid), key=lambda fix: fix.t_ns)
+    told = [fix for fix in kinds.get(GpsFix, ()) if isinstance(fix, GpsFix) and not fix.repeat]
+    told.sort(key=lambda fix: fix.t_ns)
     return Sensed(
         start_s=min(times_ns, default=0) * 1e-9,
         end_s=max(times_ns, default=0) * 1e-9,
-        fixes=tuple(fixes),
+        fixes=tuple(fix for fix in told if fix.valid),
+        blind_s=_blind_s(told),
         speed_mps=_speeds(kinds.get(Odometer, [])),
         yaw_rate_degps=_series(kinds.get(Gyro, []), lambda m: getattr(m, "yaw_rate_degps", None)),
         pressure_pa=_series(kinds.get(Barometer, []), lambda m: getattr(m, "pressure_pa", None)),
         slope_pct=_series(kinds.get(Torque, []), lambda m: getattr(m, "slope_pct", None)),
     )
+
+
+def without_fixes(sensed: Sensed, outages: Sequence[Outage]) -> Sensed:
+    """The same drive with GPS taken away; the receiver itself was never blind then."""
+    since_s = np.array([fix.t_ns for fix in sensed.fixes], dtype=np.float64) * 1e-9 - sensed.start_s
+    kept = np.ones(len(sensed.fixes), dtype=np.bool_)
+    for start_s, length_s in outages:
+        kept &= (since_s < start_s) | (since_s >= start_s + length_s)
+    fixes = tuple(fix for fix, stays in zip(sensed.fixes, kept, strict=True) if stays)
+    return replace(sensed, fixes=fixes, blind_s=sensed.blind_s[kept])
+
+
+def without_speeds(sensed: Sensed, spoilt: NDArray[np.bool_]) -> Sensed:
+    """The same drive with some of the wheels' speeds left out, shape (n,)."""
+    wheels = sensed.speed_mps
+    kept = Series(wheels.times_s[~spoilt], wheels.values[~spoilt])
+    return replace(sensed, speed_mps=kept)
+
+
+def _blind_s(told: Sequence[GpsFix]) -> Floats:
+    """Since the last valid fix, where the receiver told of its blindness in between."""
+    found: list[float] = []
+    last_ns, blind = None, False
+    for fix in told:
+        if not fix.valid:
+            blind = True
+            continue
+        found.append((fix.t_ns - last_ns) * 1e-9 if blind and last_ns is not None else 0.0)
+        last_ns, blind = fix.t_ns, False
+    return np.array(found, dtype=np.float64)
 
 
 def _speeds(messages: Sequence[Message]) -> Series:

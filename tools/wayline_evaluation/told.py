@@ -3,15 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-import msgspec
-
 from wayline.drive import load_drive
 from wayline.errors import InputError
 from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates, Floats
 from wayline_evaluation.replays import needed_truth
-from wayline_evaluation.sensed import sense
-from wayline_evaluation.wheel_wander import Wander, wheel_wander
+from wayline_evaluation.sensed import sense, without_fixes
 from wayline_evaluation.yardstick_altitude import road_unrest_pct2_per_m
 from wayline_evaluation.yardstick_run import told_estimates
 from wayline_simulator.facts import Facts, read_facts
@@ -35,27 +32,15 @@ def told_of_all(folders: Sequence[Path]) -> None:
 def told(folder: Path, outages: Sequence[Outage], poses_s: Floats) -> Estimates:
     """What is possible at these instants. Raises InputError where the noise is not known."""
     facts, drive = needed_facts(folder), load_drive(folder)
-    sensed = sense(drive, folder, outages)
+    sensed = without_fixes(sense(drive, folder), outages)
     if not sensed.fixes:
         raise InputError(str(folder), "has no fix for the yardstick", "leave --yardstick out")
-    truth = needed_truth(folder)
     true_latency_s = facts.gps.latency_s if facts.gps else 0.0
     return told_estimates(
         poses_s,
         sensed,
-        _with_wander(facts, wheel_wander(sensed, truth)),
+        facts,
         # ingest took off what drive.toml says, which need not be the truth
         fixes_early_s=drive.vehicle.gps_latency_s - true_latency_s,
-        grade_walk_pct2_per_m=road_unrest_pct2_per_m(truth),
+        grade_walk_pct2_per_m=road_unrest_pct2_per_m(needed_truth(folder)),
     )
-
-
-def _with_wander(facts: Facts, wander: Wander | None) -> Facts:
-    """Slip and tyres make wheels wander more than their sensor does alone."""
-    if wander is None or facts.odometer is None:
-        return facts
-    replace = msgspec.structs.replace
-    odometer = replace(
-        facts.odometer, scale_wander_std=wander.std, scale_wander_time_s=wander.time_s
-    )
-    return replace(facts, odometer=odometer)

@@ -5,7 +5,7 @@ engine's torque tells of the grade it does not know.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from enum import IntEnum
 from heapq import merge
@@ -15,6 +15,7 @@ import numpy as np
 
 from wayline.air import EXPONENT, SCALE_M
 from wayline.messages import GpsFix
+from wayline_evaluation.circumstances import Circumstances
 from wayline_evaluation.dilution import ROUNDING, Dilution
 from wayline_evaluation.estimates import Estimates, Floats
 from wayline_evaluation.gaussian import Gaussian, decayed, gate_of
@@ -29,7 +30,7 @@ from wayline_simulator.barometer import (
 )
 from wayline_simulator.facts import Facts
 from wayline_simulator.gps_gaps import FORGETTING_S
-from wayline_simulator.gps_measured import ALTITUDE_FACTOR
+from wayline_simulator.gps_measured import ALTITUDE_FACTOR, Effects
 from wayline_simulator.gps_model import GpsModel
 from wayline_simulator.weather import Weather
 
@@ -56,6 +57,7 @@ class States(IntEnum):
     GPS_WANDER = 5  # m at a VDOP of 1
     COLD = 6  # m
     TOLD = 7  # m, the altitude that the receiver smooths
+    REFLECTED = 8  # share of what a canyon's walls do
 
 
 S = States
@@ -82,6 +84,7 @@ def told_altitudes(
     flat: Estimates,
     sensed: Sensed,
     facts: Facts,
+    there: Sequence[Circumstances],
     *,
     fixes_early_s: float,
     grade_walk_pct2_per_m: float,
@@ -102,7 +105,7 @@ def told_altitudes(
         filter_.advance(event.time_s - now_s, place_m - now_m)
         now_s, now_m = event.time_s, place_m
         if event.kind == 0:
-            filter_.fix(sensed.fixes[event.place], now_s)
+            filter_.fix(sensed.fixes[event.place], there[event.place], now_s)
         elif event.kind == 1:
             speed_mps = float(np.interp(now_s, flat.times_s, np.nan_to_num(flat.speeds_mps)))
             pressure_pa = float(sensed.pressure_pa.values[event.place])
@@ -135,11 +138,10 @@ class AltitudeYardstick:
         weather: Weather,
         grade_walk_per_m: float,
     ) -> None:
-        self.known = False
+        self.known = self._fixed = False
         self._gps, self._barometer, self._weather = gps, barometer, weather
         self._grade_walk_per_m = grade_walk_per_m
         self._fading_s = gps.first_error_time_s
-        self._fix_s: float | None = None
         self._altitude_s: float | None = None
         self._dilution = Dilution()
         self._last_pa, self._same = 0.0, 0
@@ -157,13 +159,14 @@ class AltitudeYardstick:
         if step_s <= 0.0:
             return
         gps, barometer = self._gps, self._barometer or BarometerModel()
-        places = [S.BARO_WANDER, S.FAN, S.GPS_WANDER, S.COLD]
-        stds = [barometer.wander_std_pa, barometer.fan_step_pa, gps.altitude_wander_std_m, 0.0]
+        places = [S.BARO_WANDER, S.FAN, S.GPS_WANDER, S.COLD, S.REFLECTED]
+        stds = [barometer.wander_std_pa, barometer.fan_step_pa, gps.altitude_wander_std_m, 0.0, 1.0]
         times_s = [
             barometer.wander_time_s,
             barometer.fan_every_s,
             gps.altitude_wander_time_s,
             self._fading_s,
+            gps.reflection_time_s,
         ]
         kept, new = decayed(np.array(stds), np.array(times_s), step_s)
         mean, transition, noise = self.state.mean.copy(), np.eye(len(S)), np.zeros(len(S))
@@ -173,44 +176,56 @@ class AltitudeYardstick:
         mean[S.ALTITUDE] += moved_m * mean[S.GRADE]
         transition[S.ALTITUDE, S.GRADE] = moved_m
         noise[S.GRADE] = self._grade_walk_per_m * abs(moved_m)
-        self.state.advance(mean, transition, noise)
+        self.state.advance(mean, transition, np.diag(noise))
 
-    def fix(self, fix: GpsFix, time_s: float) -> None:
+    def fix(self, fix: GpsFix, there: Circumstances, time_s: float) -> None:
         """Take in the altitude of a 3-D fix, which the receiver may have smoothed."""
-        longest_s = 1.5 / self._gps.rate_hz
-        blind_s = 0.0 if self._fix_s is None else time_s - self._fix_s
-        self._fix_s = time_s
-        if blind_s > longest_s:
+        if not self._fixed and self._gps.first_fix_s > 0.0:
+            self.state.set(S.COLD, 0.0, ALTITUDE_FACTOR * self._gps.first_error_m)
+        elif there.blind_s > 0.0:
             self._fading_s = self._gps.reacquire_error_time_s
-            severity = -math.expm1(-blind_s / FORGETTING_S)
+            severity = -math.expm1(-there.blind_s / FORGETTING_S)
             self.state.set(S.COLD, 0.0, ALTITUDE_FACTOR * severity * self._gps.reacquire_error_m)
+        self._fixed = True
         if fix.alt_m is None or fix.mode == 2:
             return
+        longest_s = 1.5 / self._gps.rate_hz
         first = self._altitude_s is None or time_s - self._altitude_s > longest_s
         self._altitude_s = time_s
         vdop = fix.vdop or VDOP_FACTOR * (fix.hdop or 1.0)
-        self._smooth(self._dilution.at(vdop, time_s), first=first)
-        row = np.zeros((1, len(S)))
-        row[0, S.TOLD] = 1.0
-        innovation = np.array([fix.alt_m - self.state.mean[S.TOLD]])
-        self.state.correct(innovation, row, np.array([[GPS_ROUNDING_M**2]]), GATE)
+        before, vdop = self.state.copy(), self._dilution.at(vdop, time_s)
+        self._smooth(vdop, there.effects, first=first)
+        if not self._told(fix.alt_m):
+            # other walls reflect: nothing that was learned of the last ones holds
+            self.state = before
+            self.state.set(S.REFLECTED, 0.0, 1.0)
+            self._smooth(vdop, there.effects, first=first)
+            self._told(fix.alt_m)
         if not self.known:
             self.known, self._start_alt_m = True, fix.alt_m
 
-    def _smooth(self, vdop: float, *, first: bool) -> None:
+    def _told(self, alt_m: float) -> bool:
+        row = np.zeros((1, len(S)))
+        row[0, S.TOLD] = 1.0
+        innovation = np.array([alt_m - self.state.mean[S.TOLD]])
+        return self.state.correct(innovation, row, np.array([[GPS_ROUNDING_M**2]]), GATE)
+
+    def _smooth(self, vdop: float, effects: Effects, *, first: bool) -> None:
         """The receiver's lag: what it tells is the old value and the new one."""
         time_s = self._gps.smoothing_time_s
         old = 0.0 if first or time_s <= 0.0 else float(np.exp(-1.0 / (self._gps.rate_hz * time_s)))
         transition, noise = np.eye(len(S)), np.zeros(len(S))
-        transition[S.TOLD, [S.ALTITUDE, S.GPS_WANDER, S.COLD]] = (1.0 - old) * np.array(
-            [1.0, vdop, 1.0]
-        )
+        reflection_m = self._gps.reflection_std_m * effects.reflection
+        transition[S.TOLD, [S.ALTITUDE, S.GPS_WANDER, S.COLD, S.REFLECTED]] = (
+            1.0 - old
+        ) * np.array([1.0, vdop, 1.0, reflection_m])
         transition[S.TOLD, S.TOLD] = old
         white_m = math.hypot(
-            vdop * self._gps.altitude_white_std_m, ROUNDING * self._gps.altitude_wander_std_m
+            vdop * effects.position * self._gps.altitude_white_std_m,
+            ROUNDING * self._gps.altitude_wander_std_m,
         )
         noise[S.TOLD] = ((1.0 - old) * white_m) ** 2
-        self.state.advance(transition @ self.state.mean, transition, noise)
+        self.state.advance(transition @ self.state.mean, transition, np.diag(noise))
 
     def pressure(self, pressure_pa: float, speed_mps: float, since_start_s: float) -> None:
         """Take in a pressure."""
@@ -248,11 +263,8 @@ def _dynamic_pa(air_pa: float, speed_mps: float, weather: Weather) -> float:
 
 def _start_stds(gps: GpsModel, barometer: BarometerModel | None) -> Floats:
     stds = np.zeros(len(S))
-    stds[S.ALTITUDE], stds[S.GRADE] = UNKNOWN_M, FIRST_GRADE_STD
-    stds[S.GPS_WANDER], stds[S.COLD] = (
-        gps.altitude_wander_std_m,
-        ALTITUDE_FACTOR * gps.first_error_m,
-    )
+    stds[S.ALTITUDE], stds[S.GRADE], stds[S.REFLECTED] = UNKNOWN_M, FIRST_GRADE_STD, 1.0
+    stds[S.GPS_WANDER] = gps.altitude_wander_std_m
     if barometer is not None:
         stds[S.BARO_OFFSET] = barometer.offset_std_pa
         stds[S.BARO_WANDER], stds[S.FAN] = barometer.wander_std_pa, barometer.fan_step_pa

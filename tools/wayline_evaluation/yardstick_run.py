@@ -3,17 +3,23 @@
 from enum import IntEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
+from wayline_evaluation.circumstances import Circumstances, circumstances, within
 from wayline_evaluation.estimates import Estimates, Floats
 from wayline_evaluation.motion import motion_at
 from wayline_evaluation.plane import Grid
-from wayline_evaluation.sensed import Sensed
-from wayline_evaluation.yardstick import States, Yardstick
+from wayline_evaluation.sensed import Sensed, without_speeds
+from wayline_evaluation.yardstick import Yardstick
 from wayline_evaluation.yardstick_altitude import told_altitudes
+from wayline_evaluation.yardstick_state import States
 from wayline_simulator.facts import Facts
+from wayline_simulator.happenings import Happenings, Span
 
 DEAD_RECKONING_S = 2.0
 """Without a fix for so long the pose is dead reckoning (SPEC section 2)."""
+SPOILT_S = 0.1
+"""Beside spinning or locked wheels: a frame's time wanders, and a spin begins softly."""
 
 
 def told_estimates(
@@ -31,11 +37,13 @@ def told_estimates(
     """
     if facts.gps is None or facts.gyro is None or facts.odometer is None:
         raise ValueError("the yardstick needs GPS, a gyro and an odometer")
+    sensed = without_speeds(sensed, _spoilt(sensed, facts.happenings))
+    there = _circumstances(sensed, facts, fixes_early_s)
     fixes = [(fix.t_ns * 1e-9 + fixes_early_s, fix) for fix in sensed.fixes]
     instants_s = np.union1d(poses_s, [time_s for time_s, _ in fixes])
     low_mps = facts.odometer.resolution_mps / 2.0 if facts.odometer.truncated else 0.0
     motion = motion_at(instants_s, sensed, wheels_low_mps=low_mps)
-    filter_ = Yardstick(facts.gps, facts.gyro, facts.odometer, sensed)
+    filter_ = Yardstick(facts.gps, facts.gyro, facts.odometer, facts.happenings, sensed)
     waiting = [(int(np.searchsorted(instants_s, time_s)), fix) for time_s, fix in fixes]
     grid = _grid(sensed)
     log = np.full((len(instants_s), len(Logged)), np.nan)
@@ -46,7 +54,7 @@ def told_estimates(
             distance_m += abs(filter_.scale * float(motion.driven_m[step]))
         wheels_mps = float(motion.speeds_mps[step])
         while number < len(waiting) and waiting[number][0] <= step:
-            filter_.correct(waiting[number][1], grid, wheels_mps)
+            filter_.correct(waiting[number][1], there[number], grid, wheels_mps)
             fixed_s, number = float(time_s), number + 1
         if number:
             log[step] = _logged(filter_, wheels_mps, distance_m, float(time_s) - fixed_s)
@@ -55,9 +63,23 @@ def told_estimates(
         _estimates(poses_s, log[rows], grid),
         sensed,
         facts,
+        there,
         fixes_early_s=fixes_early_s,
         grade_walk_pct2_per_m=grade_walk_pct2_per_m,
     )
+
+
+def _circumstances(sensed: Sensed, facts: Facts, fixes_early_s: float) -> list[Circumstances]:
+    latency_s = facts.gps.latency_s if facts.gps else 0.0
+    told_s = np.array([fix.t_ns for fix in sensed.fixes], dtype=np.float64) * 1e-9
+    described_s = told_s + fixes_early_s
+    return circumstances(described_s, described_s + latency_s, sensed.blind_s, facts.happenings)
+
+
+def _spoilt(sensed: Sensed, happened: Happenings) -> NDArray[np.bool_]:
+    """Wheel speeds of spinning or locked wheels: it is told, and bridges them."""
+    wider = [Span(a - SPOILT_S, b + SPOILT_S) for a, b in happened.slips]
+    return within(sensed.speed_mps.times_s, wider)
 
 
 def _grid(sensed: Sensed) -> Grid:

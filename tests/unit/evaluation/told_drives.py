@@ -85,10 +85,14 @@ def _messages(
         for time_s, pressure_pa in zip(pressed.instants_s, pressed.pressures_pa, strict=True):
             yield Barometer(t_ns=_ns(time_s), pressure_pa=float(pressure_pa))
     fixes = measure_fixes(journey, facts.gps, GpsEvents(outages=outages), START_S, random)
-    for row in np.flatnonzero(fixes.valid):
+    for row, valid in enumerate(fixes.valid):
+        t_ns = _ns(float(fixes.described_s[row]))
+        if not valid:
+            yield GpsFix(t_ns=t_ns, valid=False)
+            continue
         course_deg = float(fixes.courses_deg[row])
         yield GpsFix(
-            t_ns=_ns(float(fixes.described_s[row])),
+            t_ns=t_ns,
             valid=True,
             lat_deg=float(fixes.lats_deg[row]),
             lon_deg=float(fixes.lons_deg[row]),
