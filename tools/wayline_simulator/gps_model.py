@@ -81,10 +81,10 @@ class GpsModel(Strict, frozen=True, kw_only=True):
     reported_std_factor: Positive = 1.0
     """The stds in GST are the true ones times this."""
     reflection_std_m: NotNegative = 30.0
-    """Root mean square of the offsets in a canyon, which HDOP does not show; issue 4 asks for 15 to
+    """Root mean square of the offsets in a canyon, which HDOP does not show: most are 15 to
     60 m. In an ordinary street a tenth."""
     reflection_time_s: Positive = 40.0
-    """How long one set of reflections lasts, on average; issue 4 asks for 20 to 90 s."""
+    """How long one set of reflections lasts, on average: most 20 to 90 s."""
     dropped_share: Share = 0.0
     """Fixes that are missing; css-164: 0.02."""
     repeated_share: Share = 0.0

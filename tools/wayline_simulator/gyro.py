@@ -29,7 +29,7 @@ class GyroModel(Strict, frozen=True, kw_only=True):
     """From one switching-on to the next; judgement for a device trimmed at the factory (an
     untrimmed MPU-6050 may be off by 20, says its data sheet)."""
     bias_wander_std_degps: NotNegative = 0.02
-    """Of a first-order Gauss-Markov process on top; issue 4's figure for an automotive MEMS."""
+    """Of a first-order Gauss-Markov process on top; judgement for an automotive MEMS."""
     bias_wander_time_s: Positive = 600.0
     """Judgement: Allan deviations of such devices are flat from about 100 s to 1000 s."""
     bias_per_kelvin_degps: NotNegative = 0.005

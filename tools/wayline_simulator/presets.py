@@ -44,7 +44,7 @@ MEMS = Preset(
     torque=TorqueModel(),
     barometer=BarometerModel(),
 )
-"""A telematics unit of automotive grade; 0.02 deg/s is issue 4's figure."""
+"""A telematics unit of automotive grade; the bias wander of 0.02 deg/s is a judgement."""
 
 CHEAP = Preset(
     gps=GpsModel(
@@ -55,7 +55,7 @@ CHEAP = Preset(
         velocity_std_mps=0.2,
         latency_s=0.2,
     ),
-    # 0.06 deg/s is issue 4's figure; the MPU-6050's untrimmed scale is within 3 %
+    # three times the wander of MEMS; the MPU-6050's untrimmed scale is within 3 %
     gyro=GyroModel(
         bias_std_degps=1.0,
         bias_wander_std_degps=0.06,
