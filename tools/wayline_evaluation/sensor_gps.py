@@ -62,8 +62,8 @@ class GpsFigures(msgspec.Struct, frozen=True, kw_only=True):
     hdop: Quantiles | None
     rest_speed_mps: Quantiles | None
     rest_windows: int
-    rest_drift_m: float | None
-    """Std of an axis about the mean of 10 s of standing."""
+    rest_drift_m: Quantiles | None
+    """Std of an axis about the mean of 10 s of standing, over the windows."""
     across_roughness_m: float | None
     """The white noise that the track's third differences across its direction amount to."""
     alt_roughness_m: float | None
@@ -92,7 +92,7 @@ def gps_figures(records: Sequence[SensorRecord]) -> GpsFigures | None:
         hdop=quantiles_of(np.concatenate([each.hdops for each in epochs])),
         rest_speed_mps=quantiles_of(_rest_speeds_mps(drives)),
         rest_windows=len(drifts),
-        rest_drift_m=spread_of([axis for track in drifts for axis in track.T]) if drifts else None,
+        rest_drift_m=quantiles_of(np.array([spread_of(list(track.T)) for track in drifts])),
         across_roughness_m=roughness_of(np.concatenate([_across_m(each) for each in epochs])),
         alt_roughness_m=roughness_of(_thirds(epochs, "alts_m")),
         speed_roughness_mps=roughness_of(_thirds(epochs, "speeds_mps")),

@@ -45,8 +45,9 @@ def _allan(axes: "Axes", groups: Sequence[Group]) -> None:
         found = [point.deviation_degps for point in figures.allan]
         axes.loglog(taus_s, found, f"C{number}.-", ms=4, lw=1.0, label=group.title)
         facts = group.records[0].facts
-        if facts is not None and facts.gyro is not None:
-            axes.loglog(taus_s, allan_model(facts.gyro, taus_s), f"C{number}--", lw=1.0)
+        model = allan_model(facts.gyro, taus_s) if facts and facts.gyro else None
+        if model is not None:
+            axes.loglog(taus_s, model, f"C{number}--", lw=1.0)
     axes.set(
         title="gyro at rest (dashed: its model)",
         xlabel="averaging time, s",

@@ -82,7 +82,7 @@ def epochs_of(fixes: Sequence[GpsFix], truth: Reference | None) -> Epochs:
         north_m=north_m,
         alts_m=alts_m,
         speeds_mps=known("speed_mps"),
-        satellites=column("satellites"),
+        satellites=known("satellites"),
         hdops=known("hdop"),
         errors_m=errors_m,
     )

@@ -34,7 +34,7 @@ def sensor_tables(report: SensorReport, groups: Sequence[Group]) -> Iterator[Tab
 
 def _table(name: str, titles: Sequence[str], columns: Sequence[Rows]) -> Table:
     table = Table(title=name, title_justify="left", header_style="bold", box=None, pad_edge=False)
-    table.add_column("")
+    table.add_column("", no_wrap=True)
     for title in titles:
         table.add_column(title, justify="right")
     for row in dict.fromkeys(row for column in columns for row in column):
@@ -55,8 +55,8 @@ def _gps_rows(figures: GpsFigures | None) -> Rows:
         "satellites used, p5 / p50 / p95": _quantiles(figures.satellites, 0),
         "HDOP, p5 / p50 / p95": _quantiles(figures.hdop, 2),
         "speed at rest, p5 / p50 / p95, m/s": _quantiles(figures.rest_speed_mps, 3),
-        "drift of an axis in 10 s of rest, m": _number(figures.rest_drift_m, 2),
-        "windows of rest": f"{figures.rest_windows}",
+        "drift in 10 s of rest, p5 / p50 / p95, m": _quantiles(figures.rest_drift_m, 2),
+        "such times of rest": f"{figures.rest_windows}",
         "roughness across the track, m": _number(figures.across_roughness_m, 3),
         "roughness of altitude, m": _number(figures.alt_roughness_m, 3),
         "roughness of speed, m/s": _number(figures.speed_roughness_mps, 3),
