@@ -62,7 +62,7 @@ def accuracy_command(
     from wayline_evaluation.tables import accuracy_tables
 
     outages = [_outage(text) for text in gps_outage or []]
-    with _progress() as progressed:
+    with progress() as progressed:
         options = Options(out=out, jobs=jobs, yardstick=yardstick)
         report, scored = accuracy_study(drives, outages, options, progressed)
     _tell(accuracy_tables(report), report, json)
@@ -100,7 +100,7 @@ def outages_command(
     if min(lengths_s) <= 0.0:
         raise InputError("--length", f"{min(lengths_s):g} s is no outage", "give more than 0")
     plan = Plan(lengths_s=lengths_s, every_s=every, start_s=start, passes=passes)
-    with _progress() as progressed:
+    with progress() as progressed:
         options = Options(out=out, jobs=jobs, yardstick=yardstick)
         report = outage_study(drives, plan, options, progressed)
     _tell(outage_tables(report), report, json)
@@ -124,7 +124,7 @@ def slope_command(
     from wayline_evaluation.slope_study import slope_study
     from wayline_evaluation.tables import slope_tables
 
-    with _progress() as progressed:
+    with progress() as progressed:
         options = Options(out=out, jobs=jobs, yardstick=yardstick)
         report, profiles = slope_study(drives, options, progressed)
     _tell(slope_tables(report), report, json)
@@ -150,7 +150,7 @@ def sensors_command(
     from wayline_evaluation.sensor_study import sensor_study
     from wayline_evaluation.sensor_tables import sensor_tables
 
-    with _progress("drives") as progressed:
+    with progress("drives") as progressed:
         report, groups = sensor_study(drives, beside or [], progressed)
     _tell(sensor_tables(report, groups), report, json)
     if plot is not None:
@@ -181,7 +181,7 @@ def _tell(tables: "Iterable[Table]", report: "msgspec.Struct", json: Path | None
 
 
 @contextmanager
-def _progress(what: str = "replays") -> Iterator[Callable[[int, int], None]]:
+def progress(what: str = "replays") -> Iterator[Callable[[int, int], None]]:
     """How many of them are done, on a terminal."""
     console = Console(stderr=True)
     columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
