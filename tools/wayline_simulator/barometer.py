@@ -44,6 +44,9 @@ class BarometerModel(Strict, frozen=True, kw_only=True):
     """Judgement."""
     noise_pa: NotNegative = 3.0
     """White; the device's own is near 1 (BMP280), the road and the wind add to it: judgement."""
+    buffeting_share: NotNegative = 0.0
+    """White, too, its std as a share of the dynamic pressure: the flow round a cab with a window
+    ajar; judgement. 0 for a device that is tucked away."""
     resolution_pa: Positive = 10.0
     """Judgement; 50 in papers/004, 1000 in OBD-II (SAE J1979, PID 33h)."""
     airflow_coefficient: float = -0.03
@@ -89,13 +92,16 @@ def measure(
     truth = journey.at(instants_s)
     temperatures_c = air_temperature_c(truth.alts_m, float(journey.course.alts_m[0]), weather)
     outside_pa = air_pressure_pa(truth.alts_m, float(journey.course.alts_m[0]), weather)
+    flow_pa = dynamic_pressure_pa(truth, outside_pa, weather)
+    white_pa = np.hypot(model.noise_pa, model.buffeting_share * flow_pa)
     pressures_pa = (
         outside_pa
         + offset_pa
         + weather.pressure_trend_pa_per_h * instants_s / 3600.0
-        + model.airflow_coefficient * dynamic_pressure_pa(truth, outside_pa, weather)
+        + model.airflow_coefficient * flow_pa
         + tunnel_pressure_pa(truth, model)
         + _disturbances_pa(instants_s, model, random)
+        + white_pa * random.standard_normal(len(instants_s))
     )
     return BarometerSamples(
         times_s=frame_times(instants_s, model.jitter_s, random),
@@ -147,10 +153,10 @@ def tunnel_pressure_pa(truth: Truth, model: BarometerModel) -> Floats:
 def _disturbances_pa(
     instants_s: Floats, model: BarometerModel, random: np.random.Generator
 ) -> Floats:
-    """What nothing else explains: slow wander, the fan's stages, white noise."""
+    """What nothing else explains: slow wander and the fan's stages."""
     count = len(instants_s)
     wander_pa = gauss_markov(
         count, 1.0 / model.rate_hz, model.wander_std_pa, model.wander_time_s, random
     )
     fan_pa = random_steps(instants_s, model.fan_step_pa, model.fan_every_s, random)
-    return wander_pa + fan_pa + model.noise_pa * random.standard_normal(count)
+    return wander_pa + fan_pa

@@ -10,16 +10,6 @@ ACROSS_SHARE, ALONG_SHARE = 0.9, 0.44
 """Walls along a street reflect across it; squares sum to 1. A judgement."""
 
 
-def gauss_markov(
-    shape: tuple[int, ...], step_s: float, time_s: float, random: np.random.Generator
-) -> Floats:
-    """First-order Gauss-Markov noise of std 1 along the first axis, stationary from the start."""
-    kept = np.exp(-step_s / time_s)
-    drive = random.standard_normal(shape)
-    drive[1:] *= np.sqrt(1.0 - kept * kept)
-    return np.asarray(lfilter([1.0], [1.0, -kept], drive, axis=0))
-
-
 def lagged(values: Floats, step_s: float, time_s: float) -> Floats:
     """First-order lag along the first axis, settled at the start."""
     if time_s <= 0.0:

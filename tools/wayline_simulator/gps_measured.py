@@ -5,10 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wayline_simulator.gps_errors import gauss_markov, held, lagged, reflections
+from wayline_simulator.gps_errors import held, lagged, reflections
 from wayline_simulator.gps_gaps import Awakenings, awakenings, errors_after
 from wayline_simulator.gps_model import GpsModel
 from wayline_simulator.journey import Floats, Truth
+from wayline_simulator.noise import gauss_markov
 
 Flags = NDArray[np.bool_]
 
@@ -59,8 +60,8 @@ def position_errors(
     wander_m = dilutions * _axes(model.position_wander_std_m, model.altitude_wander_std_m)
     wander = np.column_stack(
         (
-            gauss_markov((count, 2), step_s, model.position_wander_time_s, random),
-            gauss_markov((count,), step_s, model.altitude_wander_time_s, random),
+            gauss_markov((count, 2), step_s, 1.0, model.position_wander_time_s, random),
+            gauss_markov(count, step_s, 1.0, model.altitude_wander_time_s, random),
         )
     )
     reflected = reflections(np.radians(truth.headings_deg), step_s, model.reflection_time_s, random)

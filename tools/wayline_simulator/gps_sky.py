@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from wayline_simulator.constellation import SKY_STEP_S, Heavens, System, heavens
 from wayline_simulator.course import Surroundings
-from wayline_simulator.gps_errors import gauss_markov
 from wayline_simulator.journey import Floats, Truth
+from wayline_simulator.noise import gauss_markov
 
 Singles = NDArray[np.float32]
 
@@ -133,7 +133,9 @@ def _strengths(
     rise = np.sin(np.maximum(elevations, 0.0))
     strengths = (STRENGTH_LOW_DBHZ + STRENGTH_RISE_DBHZ * rise).astype(np.float32)
     fading_time_s = Scene().fading_time_s
-    fading = gauss_markov(strengths.shape, VIEW_STEP_S, fading_time_s, random).astype(np.float32)
+    fading = gauss_markov(strengths.shape, VIEW_STEP_S, 1.0, fading_time_s, random).astype(
+        np.float32
+    )
     for kind, scene in SCENES.items():
         here = truth.surroundings == kind
         strengths[here] -= scene.canopy_db / np.maximum(rise[here], CANOPY_SIN_MIN)

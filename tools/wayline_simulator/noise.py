@@ -9,17 +9,20 @@ from wayline_simulator.journey import Floats
 
 
 def gauss_markov(
-    count: int, step_s: float, std: float, time_s: float, random: np.random.Generator
+    shape: int | tuple[int, ...],
+    step_s: float,
+    std: float,
+    time_s: float,
+    random: np.random.Generator,
 ) -> Floats:
-    """First-order Gauss-Markov process at even steps, stationary from its first sample.
+    """First-order Gauss-Markov processes along the first axis, stationary from the first sample.
 
-    Its autocorrelation falls to 1 / e in `time_s` (IEEE Std 952-1997, annex B). Shape (count,).
+    Their autocorrelation falls to 1 / e in `time_s` (IEEE Std 952-1997, annex B).
     """
     decay = math.exp(-step_s / time_s)
-    driven = std * math.sqrt(1.0 - decay * decay) * random.standard_normal(count)
-    if count:
-        driven[0] = std * random.standard_normal()
-    values: Floats = lfilter([1.0], [1.0, -decay], driven)
+    driven = std * random.standard_normal(shape)
+    driven[1:] *= math.sqrt(1.0 - decay * decay)
+    values: Floats = lfilter([1.0], [1.0, -decay], driven, axis=0)
     return values
 
 

@@ -160,12 +160,16 @@ def test_a_hill_that_is_too_steep_is_an_error() -> None:
 
 
 def test_traffic_costs_time() -> None:
-    """The same road with the same driver takes longer in a crowd, and has stops that it had not."""
+    """The same road with the same driver takes longer in a crowd, and has stops that it had not.
+
+    In the mean of five days: queues come by chance.
+    """
     course = laid(level(8000.0))
     empty = driven(course)
-    crowded = driven(course, driver=msgspec.structs.replace(STEADY, traffic_density=1.0))
-    assert crowded.times_s[-1] > 1.2 * empty.times_s[-1]
-    assert np.count_nonzero(np.diff(crowded.speeds_mps > 0.0)) > 2
+    crowd = msgspec.structs.replace(STEADY, traffic_density=1.0)
+    crowded = [driven(course, driver=crowd, seed=seed) for seed in range(5)]
+    assert np.mean([each.times_s[-1] for each in crowded]) > 1.2 * empty.times_s[-1]
+    assert sum(np.count_nonzero(np.diff(each.speeds_mps > 0.0)) > 2 for each in crowded) >= 3
 
 
 def test_the_same_seed_gives_the_same_motion() -> None:

@@ -213,14 +213,17 @@ def test_a_cut_speed_is_the_whole_steps_below() -> None:
 
 @pytest.mark.parametrize(("bits", "resolution_m"), [(16, 0.02), (32, 0.05)])
 def test_the_counter_counts_the_way_and_wraps(bits: int, resolution_m: float) -> None:
-    """At 16 bits and 0.02 m it begins again after 1310.72 m; unwrapped it is the way."""
+    """At 16 bits and 0.02 m it begins again after 1310.72 m; unwrapped it is the way.
+
+    10.1 km are 7.7 rounds, 7 or 8 wraps by where the counter stood.
+    """
     drive = cruise(25.0, 400.0)
     samples = rolled(
         drive, rolling(counter_bits=bits, counter_resolution_m=resolution_m, scale=0.01)
     )
     steps_m = np.diff(samples.distances_m)
     span_m = 2**bits * resolution_m
-    assert np.count_nonzero(steps_m < 0.0) == (7 if bits == 16 else 0)
+    assert np.count_nonzero(steps_m < 0.0) in ((7, 8) if bits == 16 else (0,))
     way_m = np.sum(np.where(steps_m < 0.0, steps_m + span_m, steps_m))
     true_m = 25.0 * (samples.instants_s[-1] - max(samples.instants_s[0], 0.0))
     assert way_m == pytest.approx(1.01 * true_m, abs=2 * resolution_m)

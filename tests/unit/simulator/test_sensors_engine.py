@@ -258,3 +258,10 @@ def test_the_fan_steps_between_levels() -> None:
     changes = np.diff(pressures)
     assert 2 <= np.count_nonzero(np.abs(changes) > 0.1) <= 24
     assert np.abs(changes).max() > 5.0
+
+
+def test_the_flow_buffets_a_barometer() -> None:
+    """A tenth of the dynamic pressure: 24 Pa at 20 m/s, 6 Pa at 10 m/s."""
+    for speed_mps, std_pa in ((20.0, 24.0), (10.0, 6.0)):
+        samples = felt(cruise(speed_mps, 1000.0), buffeting_share=0.1)
+        assert samples.pressures_pa.std() == pytest.approx(std_pa, rel=0.08)
