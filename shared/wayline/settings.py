@@ -11,7 +11,8 @@ from msgspec import Meta
 from wayline.drive import VEHICLE_ID_PATTERN, CanMapping, Vehicle, VehicleId
 from wayline.errors import InputError
 from wayline.http_settings import PORTS, HttpSettings
-from wayline.toml import Strict, load_toml
+from wayline.profile import with_profiles
+from wayline.toml import Strict, fitted, read_toml
 from wayline.tuning import Tuning
 
 ServiceName = Literal["gps-ingest", "can-ingest", "fusion", "eta", "slope-map", "dashboard"]
@@ -51,6 +52,10 @@ class LiveCan(CanMapping, frozen=True, kw_only=True):
     interface: str
     channel: str | int
     bitrate: Annotated[int, Meta(gt=0)] | None = None
+    options: dict[str, str | int | float | bool] = {}
+    """What else python-can's interface takes, by its own names."""
+    obd2: bool | None = None
+    """Ask a car for its values over ISO-TP; by default where `vehicle.profile` is obd2."""
 
 
 class RerunSettings(Strict, frozen=True, kw_only=True):
@@ -119,7 +124,7 @@ def load_settings(path: Path, environment: Mapping[str, str] = os.environ) -> Se
 
     Raises InputError for a missing file, an unknown key or a value that does not fit.
     """
-    settings = load_toml(path, Settings)
+    settings = fitted(with_profiles(read_toml(path), str(path)), Settings, str(path))
     folder = path.resolve().parent
 
     def absolute(name: str) -> str:
