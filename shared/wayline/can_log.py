@@ -65,7 +65,7 @@ class CanLog:
 
 def _open(path: Path) -> MessageReader:
     try:
-        if path.suffix == ".mf4" and _magic(path) != b"MDF":
+        if path.suffix == ".mf4" and not _magic(path).startswith((b"MDF", b"UnFinMF")):
             raise ValueError("is no MDF file")
         return can.LogReader(path)
     except FileNotFoundError:
@@ -84,4 +84,4 @@ def _damage() -> tuple[type[Exception], ...]:
 
 def _magic(path: Path) -> bytes:
     with path.open("rb") as file:
-        return file.read(3)
+        return file.read(7)

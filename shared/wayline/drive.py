@@ -4,6 +4,7 @@ Reads `drive.toml` only; the recordings themselves are read in `sources.py`.
 """
 
 import datetime as dt
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +12,8 @@ import msgspec
 from msgspec import Meta
 
 from wayline.errors import InputError
-from wayline.toml import Strict, load_toml
+from wayline.profile import with_profiles
+from wayline.toml import Strict, fitted, read_toml
 from wayline.tuning import Tuning
 
 Positive = Annotated[float, Meta(gt=0.0)]
@@ -49,7 +51,7 @@ class SignalMapping(Strict, frozen=True, kw_only=True):
     """Where a quantity is on the bus; scale and offset apply after the DBC's own."""
 
     message: str
-    signal: str | tuple[str, ...]
+    signal: str | Annotated[tuple[str, ...], Meta(min_length=1)]
     """Several signals: their mean."""
     scale: float = 1.0
     offset: float = 0.0
@@ -61,19 +63,34 @@ class SignalMapping(Strict, frozen=True, kw_only=True):
     latency_s: float = 0.0
     """The quantity is this much older than its frame."""
 
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """One or several."""
+        return (self.signal,) if isinstance(self.signal, str) else self.signal
+
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """None, one or several; all must hold."""
+        return (self.valid,) if isinstance(self.valid, Condition) else self.valid
+
+
+Places = SignalMapping | Annotated[tuple[SignalMapping, ...], Meta(min_length=1)]
+"""Where a quantity is; of several the first that says something, as long as it does."""
+
 
 class Clock(Strict, frozen=True, kw_only=True):
-    """A signal that holds UTC in Unix seconds; moves the whole source to it."""
+    """A signal that holds UTC in Unix seconds; every bus of the drive is moved to it."""
 
     message: str
     signal: str
+    valid: Condition | tuple[Condition, ...] = ()
 
 
 class CanMapping(Strict, frozen=True, kw_only=True):
     """What a recorded and a live bus have in common: databases, mapping, clock."""
 
     dbc: tuple[str, ...] = ()
-    signals: dict[str, SignalMapping] = {}
+    signals: Mapping[str, Places] = {}
     j1939: bool = False
     """Match by PGN, whatever source address and priority; "not available" is null."""
     clock_offset_s: float = 0.0
@@ -115,6 +132,8 @@ class AvlSource(Strict, frozen=True, kw_only=True):
 class Vehicle(Strict, frozen=True, kw_only=True):
     """`[vehicle]`: what the torque slope and the filters need; the defaults are a car's."""
 
+    profile: str | tuple[str, ...] = ()
+    """Known vehicles or boxes: mappings of their frames, and figures in place of the car's."""
     mass_kg: Positive = 1500.0
     wheel_radius_m: Positive = 0.31
     frontal_area_m2: Positive = 2.2
@@ -128,6 +147,11 @@ class Vehicle(Strict, frozen=True, kw_only=True):
     """What 100 % means where the bus reports torque in percent."""
     gps_latency_s: float = 0.0
     """A fix describes the vehicle this long before its own timestamp."""
+
+    @property
+    def profiles(self) -> tuple[str, ...]:
+        """None, one or several; the first that maps a quantity counts."""
+        return (self.profile,) if isinstance(self.profile, str) else self.profile
 
 
 class PathRef(Strict, frozen=True, kw_only=True):
@@ -157,7 +181,7 @@ def load_drive(folder: Path) -> Drive:
     path = folder if folder.suffix == ".toml" else folder / "drive.toml"
     if not path.exists():
         raise InputError(str(folder), "no drive.toml there", "name a drive's folder")
-    drive = load_toml(path, Drive)
+    drive = fitted(with_profiles(read_toml(path), str(path)), Drive, str(path))
     if not (drive.nmea or drive.can or drive.avl):
         raise InputError(str(path), "no input", "add a [[nmea]], [[can]] or [[avl]] table")
     for position, can in enumerate(drive.can, start=1):

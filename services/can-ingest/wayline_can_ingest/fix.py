@@ -36,10 +36,10 @@ class SpreadFix:
 
     def if_complete(self) -> Iterator[Message]:
         """Give out the epoch when nothing is missing."""
-        if self._seen == self._expected:
+        if self._seen and self._seen == self._expected:
             yield self._give_out()
 
-    def overdue(self, t_ns: int, *, at_end: bool) -> Sequence[Message]:
+    def overdue(self, t_ns: int, *, at_end: bool = False) -> Sequence[Message]:
         """Give out an epoch that can no longer be completed."""
         if self._seen and (at_end or t_ns - self._started_ns > LONGEST_SPREAD_NS):
             return [self._give_out()]
@@ -54,6 +54,7 @@ class SpreadFix:
             fields.pop("lon_deg", None)
         fields.setdefault("mode", (3 if "alt_m" in fields else 2) if valid else 1)
         fields.setdefault("fix", "gps" if valid else "none")
-        fix = GpsFix(t_ns=self._t_ns - self._latency_ns, valid=valid, **fields)  # type: ignore[arg-type]
+        t_ns = max(self._t_ns - self._latency_ns, 0)
+        fix = GpsFix(t_ns=t_ns, valid=valid, **fields)  # type: ignore[arg-type]
         self._seen, self._fields = set(), {}
         return fix

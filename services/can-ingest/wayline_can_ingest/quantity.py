@@ -8,7 +8,8 @@ import msgspec
 from cantools.database.can import Message as DbcMessage
 
 from wayline.drive import Condition, SignalMapping
-from wayline.messages import TOPICS, field_types
+from wayline.messages import TOPICS, BearingDeg, field_types
+from wayline_can_ingest.j1939 import counter_turns
 
 Signals = Mapping[str, float | None]
 """Decoded values by signal name; None is "not available", a signal not in the frame is missing."""
@@ -17,7 +18,13 @@ Latest = Mapping[tuple[str, str], float | None]
 Value = float | int | bool | str
 
 INGESTED_TOPICS = ("odometer", "gyro", "torque", "barometer", "gps_fix")
-DERIVED = {"torque.engine_torque_pct", "vehicle.engine_reference_torque_nm"}
+CLOCK = "clock.utc_s"
+"""What `clock = { message, signal }` maps."""
+DERIVED = {
+    "torque.engine_torque_pct",
+    "vehicle.engine_friction_pct",
+    "vehicle.engine_reference_torque_nm",
+}
 QUANTITIES = DERIVED | {
     f"{topic}.{field}"
     for topic in INGESTED_TOPICS
@@ -26,24 +33,42 @@ QUANTITIES = DERIVED | {
 }
 """Every name that `[can.signals]` may map."""
 
-J1939_ERROR_TOP = 0xFE
-"""SAE J1939-71: a top byte of FEh is "error", FFh "not available"."""
-
 
 class Extractor:
     """Reads one quantity from a frame: mean of signals, scale, words, truth, validity, bounds."""
 
-    def __init__(self, quantity: str, mapping: SignalMapping, message: DbcMessage) -> None:
+    def __init__(
+        self,
+        quantity: str,
+        mapping: SignalMapping,
+        message: DbcMessage,
+        *,
+        rank: int | None = None,
+        j1939: bool = False,
+    ) -> None:
         self.quantity = quantity
         self.topic, _, self.field = quantity.partition(".")
         self.message = message.name
-        signal = mapping.signal
-        self.signals: tuple[str, ...] = (signal,) if isinstance(signal, str) else signal
-        self.scale = mapping.scale
+        self.rank = rank
+        """Place in the list where a quantity has several; None where it has one."""
+        self.signals = mapping.signals
+        self.first = self.signals[0]
         self.latency_ns = round(mapping.latency_s * 1e9)
-        valid = mapping.valid
-        self._conditions = (valid,) if isinstance(valid, Condition) else valid
-        self._convert = _converter(quantity, mapping)
+        self._conditions = mapping.conditions
+        self._convert = _converter(quantity, mapping, message)
+        self._mapping, self._message, self._j1939 = mapping, message, j1939
+
+    @property
+    def span(self) -> float:
+        """Value at which the counter that is mapped begins again at 0."""
+        signal = self._message.get_signal_by_name(self.first)
+        turns = counter_turns(signal.length) if self._j1939 else 2**signal.length
+        return float(turns * abs(signal.conversion.scale * self._mapping.scale))
+
+    def own_signals(self) -> set[str]:
+        """Signals of its own frame that it reads."""
+        own = {c.signal for c in self._conditions if c.message in (None, self.message)}
+        return own | set(self.signals)
 
     def conditions_elsewhere(self) -> set[tuple[str, str]]:
         """Signals of other frames that decide on this quantity."""
@@ -53,18 +78,30 @@ class Extractor:
             if condition.message not in (None, self.message)
         }
 
+    def is_held_by(self, signals: Signals) -> bool:
+        """Whether a frame holds what is read, though it may say that there is no value."""
+        if len(self.signals) == 1:
+            return self.first in signals
+        return all(name in signals for name in self.signals)
+
     def read(self, signals: Signals, latest: Latest) -> Value | None:
         """The quantity in our unit; None where absent, invalid or out of its bounds."""
+        value = signals.get(self.first) if len(self.signals) == 1 else self._mean(signals)
+        if value is None or not math.isfinite(value):
+            return None
+        for condition in self._conditions:
+            if not self._holds(condition, signals, latest):
+                return None
+        return self._convert(value)
+
+    def _mean(self, signals: Signals) -> float | None:
         total = 0.0
         for name in self.signals:
             value = signals.get(name)
             if value is None:
                 return None
             total += value
-        for condition in self._conditions:
-            if not self._holds(condition, signals, latest):
-                return None
-        return self._convert(total / len(self.signals))
+        return total / len(self.signals)
 
     def _holds(self, condition: Condition, signals: Signals, latest: Latest) -> bool:
         if condition.message in (None, self.message):
@@ -80,25 +117,10 @@ class Extractor:
         )
 
 
-def needed_signals(extractor: Extractor, mapping: SignalMapping) -> set[str]:
-    """Signals of the extractor's own frame that it reads."""
-    valid = (mapping.valid,) if isinstance(mapping.valid, Condition) else mapping.valid
-    own = {c.signal for c in valid if c.message in (None, extractor.message)}
-    return own | set(extractor.signals)
-
-
-def not_available(raw: float, length_bits: int) -> bool:
-    """Whether a raw J1939 value means "not available" or "error" (SAE J1939-71 5.1.4)."""
-    value = int(raw)
-    if length_bits >= 8:
-        return (value >> (length_bits - 8)) >= J1939_ERROR_TOP
-    if length_bits >= 2:
-        return value >= (1 << length_bits) - 2
-    return False
-
-
-def _converter(quantity: str, mapping: SignalMapping) -> Callable[[float], Value | None]:
-    if quantity in DERIVED:
+def _converter(
+    quantity: str, mapping: SignalMapping, message: DbcMessage
+) -> Callable[[float], Value | None]:
+    if quantity in DERIVED or quantity == CLOCK:
         return _number(mapping, None)
     topic, _, field = quantity.partition(".")
     annotation = field_types(TOPICS[topic])[field]
@@ -107,9 +129,11 @@ def _converter(quantity: str, mapping: SignalMapping) -> Callable[[float], Value
         wanted = mapping.equals
         return lambda raw: raw != 0 if wanted is None else raw == wanted
     if mapping.values or str in kinds:
-        return _word(mapping, annotation)
+        return _word(mapping, message, annotation)
     if int in kinds and float not in kinds:
         return _whole(mapping, annotation)
+    if annotation == BearingDeg | None:
+        return _bearing(mapping)
     signed_speed = quantity == "odometer.speed_mps"
     return _number(mapping, None if signed_speed else annotation)
 
@@ -118,8 +142,8 @@ def _number(mapping: SignalMapping, annotation: object) -> Callable[[float], flo
     scale, offset = mapping.scale, mapping.offset
     low, high, open_low, open_high = _bounds(annotation)
 
-    def convert(raw: float) -> float | None:
-        value = raw * scale + offset
+    def convert(value: float) -> float | None:
+        value = value * scale + offset
         if not low <= value <= high or value in (open_low, open_high):
             return None
         return value
@@ -127,27 +151,46 @@ def _number(mapping: SignalMapping, annotation: object) -> Callable[[float], flo
     return convert
 
 
-def _whole(mapping: SignalMapping, annotation: object) -> Callable[[float], int | None]:
-    number = _number(mapping, annotation)
+def _bearing(mapping: SignalMapping) -> Callable[[float], float | None]:
+    """Buses count bearings from 0 to 360, both included, or from -180 to 180."""
+    scale, offset = mapping.scale, mapping.offset
 
-    def convert(raw: float) -> int | None:
-        value = number(raw)
-        return None if value is None else round(value)
+    def convert(value: float) -> float | None:
+        value = value * scale + offset
+        return value % 360.0 if -360.0 < value <= 360.0 else None
+
+    return convert
+
+
+def _whole(mapping: SignalMapping, annotation: object) -> Callable[[float], Value | None]:
+    number = _number(mapping, None)
+
+    def convert(value: float) -> Value | None:
+        scaled = number(value)
+        return None if scaled is None else _fitting(round(scaled), annotation)
 
     return convert
 
 
-def _word(mapping: SignalMapping, annotation: object) -> Callable[[float], Value | None]:
-    def convert(raw: float) -> Value | None:
-        word = mapping.values.get(str(int(raw)))
-        if word is None:
-            return None
-        try:
-            return msgspec.convert(word, annotation, strict=False)  # type: ignore[no-any-return]
-        except msgspec.ValidationError:
-            return None
+def _word(
+    mapping: SignalMapping, message: DbcMessage, annotation: object
+) -> Callable[[float], Value | None]:
+    """Words are given for raw values: those before the database's scale and offset."""
+    raw_of = message.get_signal_by_name(mapping.signals[0]).conversion.numeric_scaled_to_raw
+
+    def convert(value: float) -> Value | None:
+        word = mapping.values.get(str(round(raw_of(value))))
+        return None if word is None else _fitting(word, annotation)
 
     return convert
+
+
+def _fitting(value: Value, annotation: object) -> Value | None:
+    """A value that its field may have, else None."""
+    try:
+        return msgspec.convert(value, annotation, strict=False)  # type: ignore[no-any-return]
+    except msgspec.ValidationError:
+        return None
 
 
 def _bounds(annotation: object) -> tuple[float, float, float | None, float | None]:

@@ -14,8 +14,8 @@ from wayline.inputs import Flush, Tick
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
 from wayline_can_ingest.core import CanIngestCore
 from wayline_can_ingest.dbc import load_database
-from wayline_can_ingest.mapping import compile_mapping, pgn_of
-from wayline_can_ingest.quantity import not_available
+from wayline_can_ingest.j1939 import not_available, pgn_of
+from wayline_can_ingest.mapping import compile_mapping
 
 DBC = """
 VERSION ""
@@ -144,8 +144,7 @@ def test_signals_of_one_frame_for_one_topic_make_one_message(database: Database)
         vehicle__engine_reference_torque_nm=SignalMapping(message="Engine", signal="Reference"),
         torque__brake=SignalMapping(message="Engine", signal="Brake", equals=1),
     )
-    # the reference comes in the same frame, after the percent, and is used from the next one on
-    assert messages == [Torque(t_ns=at(0), brake=True)]
+    assert messages == [Torque(t_ns=at(0), engine_torque_nm=about(225.0), brake=True)]
 
 
 def test_percent_torque_is_of_the_reference(database: Database) -> None:
