@@ -16,7 +16,7 @@ from wayline_can_ingest.wanted import Wanted
 RETRY_S = (0.1, 0.2, 0.5)
 """Between attempts to open. The last goes on: frames come within 2 s of a return."""
 WATCH_S = 0.05
-READING_S = 1.5
+READING_S = 1.0
 """A reader that does not turn for so long hangs in its driver; it waits 0.2 s for a frame."""
 OPENING_S = 10.0
 """Serial adapters take seconds to open; a driver that takes longer hangs."""
