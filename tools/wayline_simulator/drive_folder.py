@@ -54,7 +54,7 @@ def simulate(
     """
     lap = make_course(scenario.road, scenario.seed, beside)
     course = repeated(lap, scenario.road.laps)
-    route = route_of(lap, f"{scenario.vehicle_id}-road", scenario.description or "Simulated road")
+    route = route_of(lap, f"{scenario.vehicle_id}-road", f"Simulated road ({scenario.road.kind})")
     drives = []
     for number in range(1, scenario.runs + 1):
         folder = out if scenario.runs == 1 else out / f"run-{number}"
