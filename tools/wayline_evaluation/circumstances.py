@@ -14,6 +14,9 @@ from wayline_simulator.happenings import Happenings, Span
 LAG_STEP_S = 0.1
 """The receiver's slow change to new surroundings is followed in such steps."""
 
+ROUNDING_S = 1e-3
+"""A fix on a span's very edge belongs to what begins there, whatever doubles make of it."""
+
 
 class Circumstances(NamedTuple):
     """Of one fix."""
@@ -28,7 +31,7 @@ def circumstances(
     described_s: Floats, stamped_s: Floats, blind_s: Floats, happened: Happenings
 ) -> list[Circumstances]:
     """Of fixes by the true instants that they describe and by their timestamps, Unix, (n,) each."""
-    moved = within(stamped_s, happened.displaced)
+    moved = within(stamped_s + ROUNDING_S, happened.displaced)
     return [
         Circumstances(Effects(*(float(value) for value in row)), bool(displaced), float(blind))
         for row, displaced, blind in zip(

@@ -50,6 +50,8 @@ class Studied:
     errors: dict[str, PoseErrors]
     """By filter: fusion, yardstick."""
     outages: tuple[OutageScore, ...]
+    blind: dict[str, PoseErrors]
+    """By filter, in those outages; empty where the plan has none."""
     bars: Bars
 
 
@@ -85,8 +87,8 @@ def _studied(task: Task) -> Studied:
     happened = Happenings() if facts is None else facts.happenings
     seen = Seen(scenario, happened, truth, run, summary, errors["fusion"])
     bars = BARS[drive.scenario](seen) if drive.scenario in BARS else {}
-    outages = _outages(folder, run, truth) if drive.plan.outages else ()
-    return Studied(drive, float(truth.distances_m[-1]), errors, outages, bars)
+    outages, blind = _outages(folder, run, truth) if drive.plan.outages else ((), {})
+    return Studied(drive, float(truth.distances_m[-1]), errors, outages, blind, bars)
 
 
 def _scenario(drive: StudyDrive) -> Scenario:
@@ -103,7 +105,9 @@ def _replayed(folder: Path, outages: Sequence[Outage]) -> tuple[Replayed, Summar
         return read_replay(folder, Path(temporary)), summary
 
 
-def _outages(folder: Path, whole: Replayed, truth: Reference) -> tuple[OutageScore, ...]:
+def _outages(
+    folder: Path, whole: Replayed, truth: Reference
+) -> tuple[tuple[OutageScore, ...], dict[str, PoseErrors]]:
     outages = outages_within(whole.end_s - whole.start_s)
     run, _ = _replayed(folder, outages)
     filters = {
@@ -123,7 +127,9 @@ def _outages(folder: Path, whole: Replayed, truth: Reference) -> tuple[OutageSco
         for name, estimates in filters.items()
         for outage in outages
     ]
-    return tuple(score for score in scores if score is not None)
+    errors = {name: compared(estimates, truth) for name, estimates in filters.items()}
+    blind = {name: each.where(each.dead_reckoning) for name, each in errors.items()}
+    return tuple(score for score in scores if score is not None), blind
 
 
 def _displaced(seen: Seen) -> Bars:

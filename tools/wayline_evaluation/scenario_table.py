@@ -28,6 +28,7 @@ HEADER = (
     "outages p68/p95, % of distance",
     "position inside 1/2 sigma",
     "heading",
+    "position, heading in outages",
     "its own bar",
 )
 
@@ -50,14 +51,17 @@ def yardstick_lines(studied: Sequence[Studied]) -> Iterator[str]:
     if not known:
         return
     errors = pooled(known)
-    dead = errors.dead_reckoning
-    for name, part in (("with GPS", errors.where(~dead)), ("without", errors.where(dead))):
+    blind = [each.blind["yardstick"] for each in studied if each.blind]
+    parts = {f"with GPS, {len(known)} drives": errors.where(~errors.dead_reckoning)}
+    if blind:
+        parts[f"in outages, {len(blind)} drives"] = pooled(blind)
+    for name, part in parts.items():
         found = consistency_of(part)
         nees = "-" if found.nees_mean is None else f"{found.nees_mean:.2f}"
         yield (
             f"yardstick {name}: NEES {nees} (2), ellipse {_inside(found.ellipse)}, "
             f"heading {_inside(found.heading)}, altitude {_inside(found.alt)}, "
-            f"grade {_inside(found.grade)} percent inside (68/95), {len(known)} drives"
+            f"grade {_inside(found.grade)} percent inside (68/95)"
         )
 
 
@@ -81,6 +85,7 @@ def _row(name: str, group: Sequence[Studied]) -> str:
             _outages([score for each in group for score in each.outages]),
             _inside(consistency.ellipse),
             _inside(consistency.heading),
+            _in_outages([each.blind["fusion"] for each in group if each.blind]),
             "; ".join(_bars([each.bars for each in group])),
         ]
     )
@@ -116,6 +121,13 @@ def _outages(scores: Sequence[OutageScore]) -> str:
     ratio = float(np.mean(means["fusion"]) / np.mean(means["yardstick"]))
     cell = _multiples(ours, bar, ("p68", "p95"))
     return f"{cell}, mean x{ratio:.1f} of {len(shares['fusion'])}"
+
+
+def _in_outages(blind: Sequence[PoseErrors]) -> str:
+    if not blind:
+        return ""
+    found = consistency_of(pooled(blind))
+    return f"{_inside(found.ellipse)}, {_inside(found.heading)}"
 
 
 def _inside(inside: Inside | None) -> str:

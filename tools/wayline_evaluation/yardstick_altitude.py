@@ -1,6 +1,6 @@
 """Pure: the yardstick's altitude and grade: a Kalman filter that is told its sensors' noise.
 
-It knows the day's air and the road's unrest too. What a tunnel does to the pressure and what the
+It knows the day's air, what tunnels do to the pressure and the road's unrest too. What the
 engine's torque tells of the grade it does not know.
 """
 
@@ -21,6 +21,7 @@ from wayline_evaluation.estimates import Estimates, Floats
 from wayline_evaluation.gaussian import Gaussian, decayed, gate_of
 from wayline_evaluation.reference import Reference
 from wayline_evaluation.sensed import Sensed
+from wayline_evaluation.tunnel_air import piston_pa
 from wayline_simulator.barometer import (
     GAS_CONSTANT,
     KELVIN,
@@ -99,6 +100,13 @@ def told_altitudes(
     backwards = np.sign(np.nan_to_num(flat.speeds_mps))
     steps_m = np.diff(np.nan_to_num(flat.distances_m), prepend=0.0) * np.where(backwards < 0, -1, 1)
     path_m = np.cumsum(steps_m)
+    speeds_mps = np.interp(sensed.pressure_pa.times_s, flat.times_s, np.nan_to_num(flat.speeds_mps))
+    air_pa = sensed.pressure_pa.values - piston_pa(
+        sensed.pressure_pa.times_s,
+        speeds_mps,
+        facts.happenings,
+        facts.barometer or BarometerModel(),
+    )
     now_s, now_m = float(flat.times_s[0]), float(path_m[0])
     for event in _events(flat.times_s, sensed, fixes_early_s):
         place_m = float(np.interp(event.time_s, flat.times_s, path_m))
@@ -107,9 +115,8 @@ def told_altitudes(
         if event.kind == 0:
             filter_.fix(sensed.fixes[event.place], there[event.place], now_s)
         elif event.kind == 1:
-            speed_mps = float(np.interp(now_s, flat.times_s, np.nan_to_num(flat.speeds_mps)))
-            pressure_pa = float(sensed.pressure_pa.values[event.place])
-            filter_.pressure(pressure_pa, speed_mps, now_s - sensed.start_s)
+            speed_mps = float(speeds_mps[event.place])
+            filter_.pressure(float(air_pa[event.place]), speed_mps, now_s - sensed.start_s)
         elif filter_.known:
             rows[event.place] = filter_.row()
     return replace(
@@ -235,16 +242,21 @@ class AltitudeYardstick:
         self._last_pa = pressure_pa
         weather = self._weather
         air_pa = pressure_pa - weather.pressure_trend_pa_per_h * since_start_s / 3600.0
-        air_pa -= self._barometer.airflow_coefficient * _dynamic_pa(air_pa, speed_mps, weather)
+        flow_pa = _dynamic_pa(air_pa, speed_mps, weather)
+        air_pa -= self._barometer.airflow_coefficient * flow_pa
         altitude_m, metres_per_pa = _altitude_m(air_pa, self._start_alt_m, weather)
         row = np.zeros((1, len(S)))
         row[0, S.ALTITUDE] = 1.0
         row[0, [S.BARO_OFFSET, S.BARO_WANDER, S.FAN]] = -metres_per_pa
+        white_pa = math.hypot(self._barometer.noise_pa, self._barometer.buffeting_share * flow_pa)
         # a rounding error stays while the reading does: equal readings tell it once
         rounding_pa2 = self._barometer.resolution_pa**2 / 12.0 * self._same
-        variance_m2 = metres_per_pa**2 * (self._barometer.noise_pa**2 + rounding_pa2)
-        innovation = np.array([altitude_m]) - row @ self.state.mean
-        self.state.correct(innovation, row, np.array([[variance_m2]]), GATE)
+        noise = np.array([[metres_per_pa**2 * (white_pa**2 + rounding_pa2)]])
+        measured_m = np.array([altitude_m])
+        if not self.state.correct(measured_m - row @ self.state.mean, row, noise, GATE):
+            # the fan has changed its stage
+            self.state.set(S.FAN, 0.0, self._barometer.fan_step_pa)
+            self.state.correct(measured_m - row @ self.state.mean, row, noise, GATE)
 
 
 def _altitude_m(air_pa: float, start_alt_m: float, weather: Weather) -> tuple[float, float]:

@@ -37,7 +37,8 @@ def studied(seed: int, pull_m: float) -> Studied:
         "yardstick": compared(off(truth, right_m=1.0), truth),
     }
     scores = (score("fusion", 30.0), score("yardstick", 20.0))
-    return Studied(StudyDrive("town", seed, Plan()), 1000.0, errors, scores, {"pull, m": pull_m})
+    drive = StudyDrive("town", seed, Plan())
+    return Studied(drive, 1000.0, errors, scores, errors, {"pull, m": pull_m})
 
 
 def test_a_row_has_figures_and_multiples_of_the_yardstick() -> None:
@@ -48,14 +49,16 @@ def test_a_row_has_figures_and_multiples_of_the_yardstick() -> None:
     assert row["drives, km"] == "2, 2"
     assert row["horizontal p50/p95, m"] == "3/3 (x3.0/3.0)"
     assert row["outages p68/p95, % of distance"] == "3/3 (x1.5/1.5), mean x1.5 of 2"
+    assert row["position, heading in outages"] == "0/0, 100/100"
     assert row["its own bar"] == "pull, m -40"
     assert lines[3].startswith("| all with a yardstick | 2, 2 |")
 
 
 def test_the_yardstick_is_told_to_be_honest_or_not() -> None:
     """1 m off with stds of 1 m: an NEES of 1."""
-    (line, *_) = yardstick_lines([studied(101, 0.0)])
-    assert "NEES 1.00" in line
+    with_gps, in_outages = yardstick_lines([studied(101, 0.0)])
+    assert "with GPS, 1 drives: NEES 1.00" in with_gps
+    assert "in outages, 1 drives: NEES 1.00" in in_outages
 
 
 def test_outages_end_within_the_drive_and_leave_time_between() -> None:
