@@ -8,7 +8,7 @@ import numpy as np
 
 from wayline_evaluation.estimates import Floats
 from wayline_evaluation.plots import new_figure, save_figure
-from wayline_evaluation.sensor_gps import correlation_curve, rest_tracks_m
+from wayline_evaluation.sensor_gps import DRIFT_WINDOW_S, correlation_curve, rest_tracks_m
 from wayline_evaluation.sensor_models import allan_model, correlation_model
 from wayline_evaluation.sensor_study import Group
 from wayline_evaluation.sensor_vehicle import gyro_figures, rest_rates_degps
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LAGS_S = np.unique(np.round(np.logspace(0.0, np.log10(300.0), 40)))
-SHOWN_S = 20.0
-"""Of a standstill; css-164's longest is little longer."""
+SHOWN_S = 3.0
+"""Of a gyro at rest: longer, the steps of a hundred samples a second are a solid block."""
 TRACKS_MAX = 12
 """More standstills hide each other."""
 ROW_GAP = 6.0
@@ -86,7 +86,7 @@ def _standing(axes: "Axes", groups: Sequence[Group]) -> None:
         seen = piece[: int(SHOWN_S * rate_hz)]
         seconds = np.arange(len(seen)) / rate_hz
         level = seen - seen.mean() - row * gap
-        axes.plot(seconds, level, f"C{number}", lw=0.6, label=f"{title}, {seen.mean():+.2f} deg/s")
+        axes.step(seconds, level, f"C{number}", lw=0.8, label=f"{title}, {seen.mean():+.2f} deg/s")
     axes.set(
         title="gyro in a standstill, less its mean; one above the other",
         xlabel="time, s",
@@ -97,7 +97,7 @@ def _standing(axes: "Axes", groups: Sequence[Group]) -> None:
 
 def _places(axes: "Axes", groups: Sequence[Group]) -> None:
     for number, group in enumerate(groups):
-        for count, track_m in enumerate(rest_tracks_m(group.records, SHOWN_S / 2.0)):
+        for count, track_m in enumerate(rest_tracks_m(group.records, DRIFT_WINDOW_S)):
             if count == TRACKS_MAX:
                 break
             east_m, north_m = (track_m - track_m.mean(axis=0)).T
