@@ -5,7 +5,14 @@ import pytest
 from unit.evaluation.drives import eastwards, off
 from wayline_evaluation.outages import OutageScore
 from wayline_evaluation.pose_errors import compared
-from wayline_evaluation.scenario_plan import PLANS, Plan, StudyDrive, outages_within, study_drives
+from wayline_evaluation.scenario_plan import (
+    PLANS,
+    Plan,
+    StudyDrive,
+    first_seed,
+    outages_within,
+    study_drives,
+)
 from wayline_evaluation.scenario_study import BARS, Studied
 from wayline_evaluation.scenario_table import HEADER, markdown, yardstick_lines
 from wayline_evaluation.study import main
@@ -68,11 +75,12 @@ def test_outages_end_within_the_drive_and_leave_time_between() -> None:
 
 
 def test_every_scenario_is_studied_and_every_bar_has_its_scenario() -> None:
-    """A new scenario needs no change here; a renamed one does."""
+    """A new scenario needs no change here, a renamed one does; no two drives share a device."""
     names = list(shipped_scenarios())
     assert {drive.scenario for drive in study_drives(names, 1)} == set(names)
     assert set(BARS) <= set(names)
-    assert len({drive.name for drive in study_drives(names, 2)}) >= 2 * len(names)
+    drives = study_drives(names, 2)
+    assert len({drive.seed for drive in drives}) == len(drives)
 
 
 def test_bad_input_is_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -93,4 +101,4 @@ def test_a_study_simulates_replays_and_scores(
     assert "(x" in printed
     assert "yardstick with GPS" in printed
     assert (tmp_path / "study.md").read_text(encoding="utf-8") == printed
-    assert "town-101" in (tmp_path / "study.json").read_text(encoding="utf-8")
+    assert f"town-{first_seed('town')}" in (tmp_path / "study.json").read_text(encoding="utf-8")
