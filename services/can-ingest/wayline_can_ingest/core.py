@@ -1,6 +1,6 @@
 """Pure: CAN frames in, odometer, gyro, torque, barometer and gps_fix messages out."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import ClassVar
 
 import msgspec
@@ -8,12 +8,13 @@ import msgspec
 from wayline.clock import SteadyClock
 from wayline.drive import CanMapping, Vehicle
 from wayline.inputs import Flush, Frame, Tick
-from wayline.messages import TOPICS, Message
+from wayline.messages import Message
 from wayline_can_ingest.derived import Derived, Fields
 from wayline_can_ingest.fix import SpreadFix
 from wayline_can_ingest.mapping import Mapping
 from wayline_can_ingest.plan import FramePlan
 from wayline_can_ingest.preference import Preference
+from wayline_can_ingest.quantity import Extractor, Signals, Value
 from wayline_can_ingest.transport import Reassembler
 from wayline_can_ingest.utc import DriveClock, clock_value_s
 
@@ -88,13 +89,15 @@ class CanIngestCore:
     def _planned(self, frame: Frame, plans: Sequence[FramePlan]) -> Sequence[Message]:
         if self._clock.offset_ns is None and not self._clock_is_told(frame, plans):
             return ()
-        waited, self._waiting = self._waiting, []
-        return [
-            message
-            for held in waited
-            for plan in self._mapping.find(held.arbitration_id, held.extended)
-            for message in self._decoded(held, plan)
-        ] + [message for plan in plans for message in self._decoded(frame, plan)]
+        messages: list[Message] = []
+        if self._waiting:
+            waited, self._waiting = self._waiting, []
+            for held in waited:
+                for plan in self._mapping.find(held.arbitration_id, held.extended):
+                    self._decode(held, plan, messages)
+        for plan in plans:
+            self._decode(frame, plan, messages)
+        return messages
 
     def _clock_is_told(self, frame: Frame, plans: Sequence[FramePlan]) -> bool:
         for plan in plans:
@@ -108,31 +111,51 @@ class CanIngestCore:
             self.dropped += 1
         return False
 
-    def _decoded(self, frame: Frame, plan: FramePlan) -> Iterator[Message]:
-        t_ns = self._steady.steady(self.arrival_ns(frame))
-        yield from self._fix.overdue(t_ns)
+    def _decode(self, frame: Frame, plan: FramePlan, messages: list[Message]) -> None:
+        """Add the messages that a frame makes, and the fix before it if that is overdue."""
+        t_ns = self._steady.steady(frame.t_ns + (self._clock.offset_ns or 0))
+        if self._mapping.gps_fields:
+            messages += self._fix.overdue(t_ns)
         signals = plan.decode(frame.data)
         if not signals:
             return
         for name in plan.kept:
             if name in signals:
                 self._latest[plan.name, name] = signals[name]
-        parts: dict[tuple[str, int], Fields] = {}
-        for extractor in plan.extractors:
-            if not extractor.is_held_by(signals):
-                continue
+        for output in plan.outputs:
+            fields = self._fields(output.extractors, signals, t_ns, frame.arbitration_id)
+            if fields is not None and output.topic is not None:
+                messages.append(output.topic(t_ns=max(t_ns - output.latency_ns, 0), **fields))
+        for extractor in plan.fix_extractors:
+            if extractor.is_held_by(signals):
+                value = extractor.read(signals, self._latest)
+                if extractor.rank is None or self._admits(extractor, value, t_ns):
+                    messages += self._fix.take(plan.name, extractor, value, t_ns)
+        if plan.fix_extractors:
+            messages += self._fix.if_complete()
+
+    def _fields(
+        self, extractors: Sequence[Extractor], signals: Signals, t_ns: int, unit: int
+    ) -> Fields | None:
+        """Fields of one message; None where the frame holds nothing of it."""
+        fields: Fields = {}
+        is_held = False
+        for extractor in extractors:
             value = extractor.read(signals, self._latest)
-            if extractor.rank is not None and not self._preference.admits(
-                extractor.quantity, extractor.rank, t_ns, is_known=value is not None
-            ):
+            if value is None and not extractor.is_held_by(signals):
                 continue
-            if extractor.topic == "gps_fix":
-                yield from self._fix.take(plan.name, extractor, value, t_ns)
+            if extractor.rank is not None and not self._admits(extractor, value, t_ns):
                 continue
-            fields = parts.setdefault((extractor.topic, extractor.latency_ns), {})
-            if value is not None:
-                self._derived.put(fields, extractor, value, t_ns, frame.arbitration_id)
-        for (topic, latency_ns), fields in parts.items():
-            if topic in TOPICS:
-                yield TOPICS[topic](t_ns=max(t_ns - latency_ns, 0), **fields)
-        yield from self._fix.if_complete()
+            is_held = True
+            if value is None:
+                continue
+            if extractor.is_derived:
+                self._derived.put(fields, extractor, value, t_ns, unit)
+            else:
+                fields[extractor.field] = value
+        return fields if is_held else None
+
+    def _admits(self, extractor: Extractor, value: Value | None, t_ns: int) -> bool:
+        """Whether this place of a quantity that has several is the one that is read."""
+        rank = extractor.rank or 0
+        return self._preference.admits(extractor.quantity, rank, t_ns, is_known=value is not None)

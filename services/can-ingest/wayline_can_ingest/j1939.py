@@ -25,14 +25,17 @@ def identifier_of(pgn: int, source: int, destination: int, priority: int = 6) ->
     return priority << 26 | addressed << 8 | source
 
 
-def not_available(raw: float, length_bits: int) -> bool:
-    """Whether a raw value means "not available" or "error", in fields of bits and of bytes."""
-    value = int(raw) & ((1 << length_bits) - 1)
+def least_not_available(length_bits: int) -> int:
+    """From this raw value on a field, of bits or of bytes, says "error" or "not available"."""
     if length_bits >= 8:
-        return (value >> (length_bits - 8)) >= ERROR_TOP
-    if length_bits >= 2:
-        return value >= (1 << length_bits) - 2
-    return False
+        return ERROR_TOP << (length_bits - 8)
+    # one bit has no room to say so
+    return (1 << length_bits) - 2 if length_bits >= 2 else 2
+
+
+def not_available(raw: float, length_bits: int) -> bool:
+    """Whether a raw value means "not available" or "error"; a signed one by its bits."""
+    return int(raw) & ((1 << length_bits) - 1) >= least_not_available(length_bits)
 
 
 def counter_turns(length_bits: int) -> int:

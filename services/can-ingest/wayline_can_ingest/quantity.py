@@ -25,6 +25,7 @@ DERIVED = {
     "vehicle.engine_friction_pct",
     "vehicle.engine_reference_torque_nm",
 }
+COUNTED_OR_SIGNED = {"odometer.distance_m", "odometer.speed_mps"}
 QUANTITIES = DERIVED | {
     f"{topic}.{field}"
     for topic in INGESTED_TOPICS
@@ -52,7 +53,9 @@ class Extractor:
         self.rank = rank
         """Place in the list where a quantity has several; None where it has one."""
         self.signals = mapping.signals
-        self.first = self.signals[0]
+        self._only = self.signals[0] if len(self.signals) == 1 else None
+        self.is_derived = quantity in DERIVED or quantity in COUNTED_OR_SIGNED
+        """Whether its field is not just what is read."""
         self.latency_ns = round(mapping.latency_s * 1e9)
         self._conditions = mapping.conditions
         self._convert = _converter(quantity, mapping, message)
@@ -61,7 +64,7 @@ class Extractor:
     @property
     def span(self) -> float:
         """Value at which the counter that is mapped begins again at 0."""
-        signal = self._message.get_signal_by_name(self.first)
+        signal = self._message.get_signal_by_name(self.signals[0])
         turns = counter_turns(signal.length) if self._j1939 else 2**signal.length
         return float(turns * abs(signal.conversion.scale * self._mapping.scale))
 
@@ -80,13 +83,11 @@ class Extractor:
 
     def is_held_by(self, signals: Signals) -> bool:
         """Whether a frame holds what is read, though it may say that there is no value."""
-        if len(self.signals) == 1:
-            return self.first in signals
         return all(name in signals for name in self.signals)
 
     def read(self, signals: Signals, latest: Latest) -> Value | None:
         """The quantity in our unit; None where absent, invalid or out of its bounds."""
-        value = signals.get(self.first) if len(self.signals) == 1 else self._mean(signals)
+        value = signals.get(self._only) if self._only is not None else self._mean(signals)
         if value is None or not math.isfinite(value):
             return None
         for condition in self._conditions:
