@@ -1,7 +1,7 @@
 """Pure: a distance counter that wraps and restarts, as a distance that only grows."""
 
 FASTEST_MPS = 100.0
-"""No road vehicle is faster: a counter that falls by more than this did not wrap."""
+"""No road vehicle is faster: a counter that steps by more than this was not driven."""
 SLACK_M = 50.0
 """A counter's steps and a late reading: 10 of the coarsest steps, 5 m."""
 SILENT_NS = 10_000_000_000
@@ -11,8 +11,9 @@ SILENT_NS = 10_000_000_000
 class Unwrapped:
     """Takes the wraps out of a counter (16 and 32 bit alike).
 
-    A fall that the vehicle cannot have driven through the wrap is a unit that restarted: counting
-    goes on from where it was. Two units may send the same message: one at a time is read.
+    A step that the vehicle cannot have driven, through the wrap or not, is a unit that restarted
+    or read its memory late: its count holds from there, but the distance never falls. Two units
+    may send the same message: one at a time is read.
     """
 
     def __init__(self, span_m: float) -> None:
@@ -31,15 +32,17 @@ class Unwrapped:
             if t_ns - self._t_ns <= SILENT_NS:
                 return None
             self._unit = unit
-        if counted_m < self._counted_m:
-            self._added_m += self._lost_m(counted_m, t_ns)
+        self._added_m = self._added(counted_m, t_ns)
         self._counted_m, self._t_ns = counted_m, t_ns
         return counted_m + self._added_m
 
-    def _lost_m(self, counted_m: float, t_ns: int) -> float:
-        """What a fall of the count took away: the span, or all that it fell."""
-        fall_m = self._counted_m - counted_m
+    def _added(self, counted_m: float, t_ns: int) -> float:
+        """What to add from now on: one more span after a wrap; after a restart what is missing."""
+        step_m = counted_m - self._counted_m
         elapsed_s = max(t_ns - self._t_ns, 0) * 1e-9
-        if self._span_m - fall_m <= FASTEST_MPS * elapsed_s + SLACK_M:
-            return self._span_m
-        return fall_m
+        farthest_m = FASTEST_MPS * elapsed_s + SLACK_M
+        if 0.0 <= step_m <= farthest_m:
+            return self._added_m
+        if 0.0 <= step_m + self._span_m <= farthest_m:
+            return self._added_m + self._span_m
+        return max(self._counted_m + self._added_m - counted_m, 0.0)

@@ -42,6 +42,12 @@ def test_a_late_memory_is_believed() -> None:
     assert distances(2.0**32 * 5.0, (0, 37_500.0), (1, 1.0e8)) == [37_500.0, 1.0e8]
 
 
+def test_a_late_memory_after_a_restart_is_believed_too() -> None:
+    """The count itself then, without what the unit said before it restarted."""
+    told = distances(2.0**32 * 5.0, (0, 37_500.0), (1, 0.0), (1.4, 158_910_600.0))
+    assert told == [37_500.0, 37_500.0, 158_910_600.0]
+
+
 def test_one_unit_is_read_until_it_is_silent() -> None:
     """A second unit with another count is left out, and takes over when the first has gone."""
     counter = Unwrapped(1.0e6)
