@@ -8,7 +8,7 @@ import pytest
 from cantools.database.can import Database
 
 from builders import about, at, frame, only
-from wayline.drive import CanSource, Clock, Condition, SignalMapping, Vehicle
+from wayline.drive import CanSource, Clock, Condition, Drive, DriveInfo, SignalMapping, Vehicle
 from wayline.errors import InputError
 from wayline.inputs import Flush, Tick
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
@@ -16,6 +16,7 @@ from wayline_can_ingest.core import CanIngestCore
 from wayline_can_ingest.dbc import load_database
 from wayline_can_ingest.j1939 import not_available, pgn_of
 from wayline_can_ingest.mapping import compile_mapping
+from wayline_can_ingest.recorded import recordings
 
 DBC = """
 VERSION ""
@@ -120,15 +121,17 @@ def test_a_frame_yields_only_the_signals_it_holds(database: Database) -> None:
         "odometer__speed_mps": SignalMapping(message="Obd", signal="Speed", scale=KMH),
         "barometer__pressure_pa": SignalMapping(message="Obd", signal="Pressure", scale=1000.0),
     }
-    messages = ingest(
-        database,
+    named = {name.replace("__", "."): mapping for name, mapping in signals.items()}
+    core = core_of(database, CanSource(path="x.log", signals=named))
+    messages = feed(
+        core,
         frame(0.0, 259, "0D240000"),  # speed
         frame(0.1, 259, "33640000"),  # pressure
         frame(0.2, 259, "7F010000"),  # a multiplexer value that is not listed
         frame(0.3, 259, "0D"),  # too short
         frame(0.4, 0x7E9, "0D240000"),  # not mapped
-        **signals,
     )
+    assert core.bad_input == 0
     assert messages == [
         Odometer(t_ns=at(0.0), speed_mps=about(10.0)),
         Barometer(t_ns=at(0.1), pressure_pa=100_000.0),
@@ -153,6 +156,17 @@ def test_percent_torque_is_of_the_reference(database: Database) -> None:
         frame(0, 262, "A5 0000 00"),
         vehicle=Vehicle(engine_reference_torque_nm=250.0),
         torque__engine_torque_pct=SignalMapping(message="Engine", signal="TorquePct"),
+    )
+    assert message == Torque(t_ns=at(0), engine_torque_nm=about(100.0))
+
+
+def test_torque_that_is_in_newton_metres_is_not_multiplied_again(database: Database) -> None:
+    """The mapping's own scale has reached our unit, whatever reference the vehicle has."""
+    (message,) = ingest(
+        database,
+        frame(0, 262, "A5 0000 00"),
+        vehicle=Vehicle(engine_reference_torque_nm=250.0),
+        torque__engine_torque_nm=SignalMapping(message="Engine", signal="TorquePct", scale=2.5),
     )
     assert message == Torque(t_ns=at(0), engine_torque_nm=about(100.0))
 
@@ -182,6 +196,29 @@ def test_a_negative_wheel_speed_is_reverse(database: Database) -> None:
     mapping = SignalMapping(message="Imu", signal="Rate")
     (message,) = ingest(database, frame(0, 257, "9CFF00"), odometer__speed_mps=mapping)
     assert message == Odometer(t_ns=at(0), speed_mps=1.0, reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("equals", "told"), [(None, [False, True, True]), (2.0, [False] * 2 + [True])]
+)
+def test_a_boolean_is_true_when_nonzero_or_what_it_shall_equal(
+    database: Database, equals: float | None, told: list[bool]
+) -> None:
+    """The raw value decides."""
+    mapping = SignalMapping(message="Engine", signal="Brake", equals=equals)
+    frames = [frame(raw, 262, f"000000{raw:02X}") for raw in (0, 1, 2)]
+    messages = ingest(database, *frames, torque__brake=mapping)
+    assert [message.brake for message in only(messages, Torque)] == told
+
+
+def test_words_are_given_for_raw_values(database: Database) -> None:
+    """Before the database's scale and offset; a value without a word is null."""
+    mapping = SignalMapping(
+        message="Engine", signal="TorquePct", values={"0": "manual", "125": "gps"}
+    )
+    frames = [frame(n, 262, f"{raw:02X}000000") for n, raw in enumerate((0, 125, 126))]
+    messages = ingest(database, *frames, Flush(at(9)), gps_fix__fix=mapping)
+    assert [fix.fix for fix in only(messages, GpsFix)] == ["manual", "gps", "none"]
 
 
 def test_latency_moves_a_quantity_back(database: Database) -> None:
@@ -215,6 +252,13 @@ def test_a_fix_spread_over_frames_is_one_message_stamped_with_the_first(database
     ]
 
 
+def test_a_fix_is_valid_only_with_a_valid_place(database: Database) -> None:
+    """One of latitude and longitude being invalid, neither is told."""
+    not_ok = LAT.replace(" 01", " 00")
+    messages = ingest(database, frame(1.0, 260, not_ok), frame(1.01, 261, LON), **FIX)
+    assert messages == [GpsFix(t_ns=at(1.0), valid=False, mode=1, fix="rtk_fixed")]
+
+
 def test_frames_further_apart_than_50_ms_are_two_fixes(database: Database) -> None:
     core = core_of(
         database,
@@ -246,6 +290,47 @@ def test_a_clock_signal_moves_the_whole_source(database: Database) -> None:
     core = core_of(database, source)
     messages = feed(core, frame(1, 257, "640001"), frame(2, 263, utc_ms), frame(3, 257, "640001"))
     assert [message.t_ns for message in messages] == [at(99.0), at(101.0)]
+
+
+def test_a_clock_offset_moves_the_whole_source(database: Database) -> None:
+    """A logger whose clock is known to be off needs no clock signal."""
+    source = CanSource(
+        path="x.log",
+        signals={"gyro.yaw_rate_degps": SignalMapping(message="Imu", signal="Rate")},
+        clock_offset_s=-4.5,
+    )
+    (message,) = feed(core_of(database, source), frame(10, 257, "640001"))
+    assert message.t_ns == at(5.5)
+
+
+def test_the_buses_of_a_drive_have_one_clock(tmp_path: Path) -> None:
+    """The clock signal of one moves the others too, also frames before it has come."""
+    (tmp_path / "a.dbc").write_text(DBC, encoding="ascii")
+    utc_ms = (at(100.0) // 1_000_000).to_bytes(8, "little").hex().upper()
+    logs = {"a.log": f"(2.000000) can0 107#{utc_ms}\n", "b.log": "(1.000000) can1 101#640001\n"}
+    for name, text in logs.items():
+        (tmp_path / name).write_text(text, encoding="ascii")
+    dbc = (str(tmp_path / "a.dbc"),)
+    rate = {"gyro.yaw_rate_degps": SignalMapping(message="Imu", signal="Rate")}
+    speed = {"odometer.speed_mps": SignalMapping(message="Wheels", signal="Left")}
+    drive = Drive(
+        drive=DriveInfo(vehicle_id="car"),
+        can=(
+            CanSource(path=str(tmp_path / "b.log"), dbc=dbc, signals=rate),
+            CanSource(
+                path=str(tmp_path / "a.log"),
+                dbc=dbc,
+                signals=speed,
+                clock=Clock(message="Clock", signal="Utc"),
+            ),
+        ),
+    )
+    heard = [
+        (recording.source, message)
+        for recording in recordings(drive, "drive.toml")
+        for _, message in recording.messages
+    ]
+    assert heard == [("can-ingest", Gyro(t_ns=at(99.0), yaw_rate_degps=1.0))]
 
 
 def test_a_clock_that_steps_back_goes_on_and_is_counted(database: Database) -> None:
