@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from wayline import __version__
 from wayline.errors import InputError
+from wayline_cli.doctor_command import doctor_app
 from wayline_evaluation.commands import evaluate_app
 from wayline_simulator.command import simulate_command
 
@@ -40,6 +40,7 @@ app.add_typer(route_app, name="route")
 app.add_typer(evaluate_app, name="evaluate")
 app.command("simulate")(simulate_command)
 app.add_typer(slope_app, name="slope")
+app.add_typer(doctor_app, name="doctor")
 
 ConfigOption = Annotated[Path, typer.Option(help="Configuration file (see deploy/wayline.toml).")]
 OptionalConfig = Annotated[
@@ -157,22 +158,6 @@ def view_command(
         viewed = view(source, save, route_path=route, progressed=progressed)
     if save is not None:
         typer.echo(f"{viewed.path}: {viewed.rows:,} rows in {viewed.elapsed_s:.1f} s")
-
-
-@app.command("doctor")
-def doctor_command(config: OptionalConfig = None) -> None:
-    """Check configuration, devices, ports, router and database, and say what to mend."""
-    from wayline_cli.check import is_well
-    from wayline_cli.doctor import doctor
-
-    checks = doctor(config)
-    table = Table("", "", "found", "to mend", box=None, header_style="bold", pad_edge=False)
-    marks = {"fine": "[green]ok[/]", "note": "[yellow]note[/]", "wrong": "[red]wrong[/]"}
-    for check in checks:
-        mark = marks[check.verdict.value]
-        table.add_row(mark, check.subject, escape(check.finding), escape(check.mend))
-    Console().print(table)
-    raise typer.Exit(0 if is_well(checks) else 1)
 
 
 @app.command("up")

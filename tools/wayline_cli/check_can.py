@@ -1,11 +1,9 @@
 """The doctor's check of CAN interfaces."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
-
-import can
 
 from wayline.settings import LiveCan
+from wayline_can_ingest.bus_reader import DRIVER_ERRORS, open_bus
 from wayline_cli.check import Check, fine, wrong
 
 OpenCan = Callable[[LiveCan], str | None]
@@ -31,9 +29,8 @@ def _check_interface(source: LiveCan, open_can: OpenCan) -> Check:
 
 def try_can(source: LiveCan) -> str | None:
     """Open an interface as can-ingest would, and close it."""
-    options: dict[str, Any] = {} if source.bitrate is None else {"bitrate": source.bitrate}
     try:
-        with can.Bus(interface=source.interface, channel=source.channel, **options):
+        with open_bus(source):
             return None
-    except (can.CanError, OSError, ValueError, ImportError) as error:
-        return str(error)
+    except (*DRIVER_ERRORS, ImportError) as error:
+        return " ".join(str(error).split()) or type(error).__name__

@@ -124,7 +124,7 @@ def devices(settings: Settings) -> list[Check]:
         from wayline_cli.listen_serial import listen  # noqa: PLC0415
 
         checks += check_receivers(settings.nmea, listen, serial_devices)
-    if settings.can and is_installed("can"):
+    if settings.can and is_installed("can") and is_installed("isotp"):
         from wayline_cli.check_can import check_can, try_can  # noqa: PLC0415
 
         checks += check_can(settings.can, try_can)

@@ -48,6 +48,18 @@ class Wanted:
         return is_part and pgn_of(frame.arbitration_id) in TRANSPORT_PGNS
 
 
+class Everything(Wanted):
+    """In place of a mapping, for who looks at a bus: nothing is left out."""
+
+    def __init__(self) -> None:
+        self.filters = None
+
+    def has(self, frame: Frame) -> bool:
+        """Every frame is."""
+        del frame
+        return True
+
+
 def _filter(key: FrameKey) -> Filter:
     if not key.is_pgn:
         mask = EXTENDED_MASK if key.extended else STANDARD_MASK

@@ -1,0 +1,83 @@
+"""Listens to a CAN bus for a while, or polls it; reads the beginning of a recording."""
+
+import itertools
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+
+from wayline.can_log import CanLog
+from wayline.errors import InputError
+from wayline.inputs import Frame
+from wayline.settings import LiveCan
+from wayline_can_ingest.frames import ERROR
+from wayline_can_ingest.interfaces import Interface
+from wayline_can_ingest.wanted import Everything
+from wayline_cli.check_can import check_can, try_can
+
+MOST_FRAMES = 500_000
+"""Two minutes of a full 500 kbit/s bus: enough of a recording to judge by."""
+LOOK_S = 0.1
+
+
+class Heard(NamedTuple):
+    """Frames, and what is known of where they come from."""
+
+    frames: Sequence[Frame]
+    note: str = ""
+    """How the link or the polling does; empty where there is nothing to say."""
+    mend: str = ""
+
+
+def heard_on(source: LiveCan, seconds: float) -> Heard:
+    """Frames of a live bus. Raises InputError where it does not open."""
+    (check,) = check_can([source], try_can)
+    if check.mend:
+        raise InputError(check.subject, check.finding, check.mend)
+    frames: list[Frame] = []
+
+    def put(given: msgspec.Struct) -> None:
+        if isinstance(given, Frame) and len(frames) < MOST_FRAMES:
+            frames.append(given)
+
+    bus = Interface("doctor", source, Everything(), polls=bool(source.obd2))
+    stop = threading.Event()
+    reading = threading.Thread(target=bus.run, args=(put, stop), daemon=True)
+    reading.start()
+    until_s = time.monotonic() + seconds
+    while time.monotonic() < until_s and len(frames) < MOST_FRAMES:
+        time.sleep(LOOK_S)
+    note = _note(bus)
+    stop.set()
+    reading.join()
+    return Heard(tuple(frames), note, "" if frames else _mend(source, bus.faults))
+
+
+def _note(bus: Interface) -> str:
+    condition = bus.condition
+    faults = (f"{times} {reason}" for reason, times in sorted(condition.faults.items()))
+    return ", ".join(filter(None, (condition.problem, condition.note, *faults)))
+
+
+def _mend(source: LiveCan, faults: Mapping[str, int]) -> str:
+    """What to look at where not a frame came."""
+    if faults.get(ERROR):
+        return "only errors: another bitrate, or CAN high and low swapped"
+    if source.obd2:
+        return "ignition on? bitrate (500000, older cars 250000)? pins 6 and 14?"
+    return "ignition on? wiring, bitrate; behind a gateway OBD-II has to be asked: --obd2"
+
+
+def heard_in(paths: Sequence[Path]) -> Heard:
+    """The first frames of a recording. Raises InputError."""
+    log = CanLog(paths)
+    frames = tuple(itertools.islice(log, MOST_FRAMES))
+    notes = []
+    if len(frames) == MOST_FRAMES:
+        notes.append(f"its first {MOST_FRAMES:,} frames")
+    if log.bad_input:
+        notes.append(f"{log.bad_input} damaged lines or endings left out")
+    return Heard(frames, ", ".join(notes), "" if frames else "record while the bus is awake")
