@@ -10,7 +10,8 @@ import re
 
 SENTENCE = re.compile(
     r"[$!](?=[A-Z0-9]{2}[A-Z0-9.]*[,*])"  # the start, only where an address field follows
-    r"(?:(?![$!][A-Z0-9]{2}[A-Z0-9.]*[,*])[^*\r\n])*"  # up to a checksum or the next one
+    r"[^$!*\r\n]*"  # up to a checksum or the next one; a $ alone is no start
+    r"(?:[$!](?![A-Z0-9]{2}[A-Z0-9.]*[,*])[^$!*\r\n]*)*"
     r"(?:\*[0-9A-Fa-f]{2}|\*)?"
 )
 UP_TO_END = re.compile(r".*(?:[\r\n]|\*[0-9A-Fa-f]{2})", re.DOTALL)

@@ -5,7 +5,9 @@ Field numbers follow NMEA 0183 4.11 with the address left out; old receivers sen
 
 import datetime as dt
 from collections.abc import Callable, Sequence
-from typing import Literal, NamedTuple, TypedDict
+from typing import Literal, TypedDict
+
+import msgspec
 
 from wayline.messages import FixKind
 from wayline_gps_ingest.fields import (
@@ -79,7 +81,7 @@ class Facts(TypedDict, total=False):
     v_std_m: float
 
 
-class Observation(NamedTuple):
+class Observation(msgspec.Struct, frozen=True):
     """One sentence, read. `key` tells it from the others of its receiver's cycle."""
 
     key: str

@@ -5,6 +5,7 @@ position that is there but cannot be one raises BadFieldError: its sentence is n
 """
 
 import datetime as dt
+from functools import lru_cache
 
 SECOND_NS = 1_000_000_000
 MPS_PER_KNOT = 1852.0 / 3600.0
@@ -61,6 +62,8 @@ def bearing_deg(text: str) -> float | None:
     return 0.0 if value == 360.0 else value
 
 
+# the sentences of an epoch tell one time and one position, and those of a day one date
+@lru_cache(maxsize=256)
 def time_of_day_ns(text: str) -> int | None:
     """`hhmmss` with any number of decimals in ns since midnight; second 60 is a leap second."""
     if not text:
@@ -76,6 +79,7 @@ def time_of_day_ns(text: str) -> int | None:
     return (hour * 3600 + minute * 60 + second) * SECOND_NS + nanoseconds
 
 
+@lru_cache(maxsize=256)
 def date_of(day: str, month: str, year: str) -> dt.date | None:
     """A day from its three fields, 1980 (GPS time starts) to 2099; two digits end in 2079.
 
@@ -107,6 +111,7 @@ def longitude_deg(text: str, hemisphere: str) -> float | None:
     return _angle_deg(text, hemisphere, "EW", 180.0)
 
 
+@lru_cache(maxsize=256)
 def _angle_deg(text: str, hemisphere: str, signs: str, limit_deg: float) -> float | None:
     if not text:
         return None

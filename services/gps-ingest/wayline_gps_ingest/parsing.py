@@ -8,8 +8,9 @@ decimals, and cost more than the parsing itself.
 import re
 from functools import lru_cache, reduce
 from operator import xor
-from typing import Literal, NamedTuple
+from typing import Literal
 
+import msgspec
 import pynmea2
 
 Fault = Literal["checksum", "malformed", "torn"]
@@ -20,10 +21,12 @@ PROPRIETARY = {"PGRMZ": ("PG", "RMZ"), "PQGSV": ("PQ", "GSV")}
 FIELDS_MIN = {"GGA": 10, "RMC": 9, "GLL": 4, "GNS": 9, "GST": 8, "VTG": 4, "ZDA": 4, "GSA": 16}
 """Fields that a sentence must have where no checksum vouches for its being whole."""
 ADDRESS = re.compile(r"[$!]([A-Z0-9]{2}[A-Z0-9.]*)[,*]")
+HEAD = len("$GPGGA,")
+"""Of every sentence that is read; the proprietary ones have as many letters."""
 CHECKED = re.compile(r"[$!]([^*]*)\*([0-9A-Fa-f]{2})")
 
 
-class Parsed(NamedTuple):
+class Parsed(msgspec.Struct, frozen=True):
     """A sentence's talker (`GP`), kind (`GGA`), fields and whether a checksum vouches for them."""
 
     talker: str
@@ -35,12 +38,9 @@ class Parsed(NamedTuple):
 def parse(text: str) -> Parsed | Fault | None:
     """A sentence that gps-ingest reads, why it cannot be read, or None for one of no interest."""
     text = text[max(text.rfind("$"), 0) :].rstrip()
-    address = ADDRESS.match(text)
-    if not address:
-        return "malformed"
-    known = _known(address[1])
-    if known is None or text[0] != "$":
-        return None if _checksum_holds(text) else "checksum"
+    known = _known(text[:HEAD])
+    if known is None:
+        return _unread(text)
     try:
         sentence = pynmea2.parse(text)
     except pynmea2.ChecksumError:
@@ -58,13 +58,24 @@ def parse(text: str) -> Parsed | Fault | None:
 
 # a receiver has a dozen addresses and says them many times a second
 @lru_cache(maxsize=256)
-def _known(address: str) -> tuple[str, str, bool] | None:
+def _known(head: str) -> tuple[str, str, bool] | None:
     """Talker, kind and whether it is proprietary, of an address that gps-ingest reads."""
+    found = ADDRESS.match(head)
+    if found is None or head[0] != "$":
+        return None
+    address = found[1]
     if address in PROPRIETARY:
         return (*PROPRIETARY[address], True)
     if len(address) == 5 and address[2:] in KINDS and address[0] != "P":
         return address[:2], address[2:], False
     return None
+
+
+def _unread(text: str) -> Fault | None:
+    """What is wrong with a sentence that is not read, if anything."""
+    if not ADDRESS.match(text):
+        return "malformed"
+    return None if _checksum_holds(text) else "checksum"
 
 
 def _checksum_holds(text: str) -> bool:

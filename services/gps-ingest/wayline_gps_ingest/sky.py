@@ -1,7 +1,9 @@
 """Pure: satellites in view (GSV) and in use (GSA) of one epoch."""
 
-from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from typing import NamedTuple
+
+import msgspec
 
 from wayline.messages import GpsSky, Satellite
 from wayline_gps_ingest.decode import Observation
@@ -44,6 +46,14 @@ SENTENCES_MAX = 64
 Key = tuple[str, int]
 
 
+class Seen(NamedTuple):
+    """A satellite in view, ready for either case: its own sentence does not say if it is used."""
+
+    key: Key
+    used: Satellite
+    unused: Satellite
+
+
 class Sky:
     """Collects an epoch's GSV and GSA sentences of every constellation, reads them when asked."""
 
@@ -73,14 +83,27 @@ class Sky:
     def message(self, t_ns: int) -> GpsSky:
         """The satellites in view, by system and number."""
         used = self.used()
-        in_view: dict[Key, Satellite] = {}
+        satellites = (
+            seen.used if key in used else seen.unused
+            for key, seen in sorted(self._in_view().items())
+        )
+        return GpsSky(t_ns=t_ns, satellites=tuple(satellites))
+
+    def _in_view(self) -> dict[Key, Seen]:
+        in_view: dict[Key, Seen] = {}
         for observation in self._sentences:
-            if observation.kind == "GSV":
-                for key, satellite in _in_view(observation.talker, observation.fields, used):
-                    known = in_view.setdefault(key, satellite)
-                    if known is not satellite:
-                        in_view[key] = _stronger(known, satellite)
-        return GpsSky(t_ns=t_ns, satellites=tuple(in_view[key] for key in sorted(in_view)))
+            if observation.kind != "GSV":
+                continue
+            talker, fields = observation.talker, observation.fields
+            # four fields a satellite; a signal's id that may follow them is left over
+            slots = zip(fields[3::4], fields[4::4], fields[5::4], fields[6::4], strict=False)
+            for prn, elevation, azimuth, snr in slots:
+                seen = _seen(talker, prn, elevation, azimuth, snr)
+                if seen:
+                    known = in_view.setdefault(seen.key, seen)
+                    if known is not seen:
+                        in_view[seen.key] = _stronger(known, seen)
+        return in_view
 
 
 # receivers use the same satellites for many seconds, and tell of them with the same numbers
@@ -90,35 +113,31 @@ def _used(talker: str, system_id: str, slots: tuple[str, ...]) -> frozenset[Key]
     return frozenset(key for key in keys if key)
 
 
-def _in_view(talker: str, fields: Sequence[str], used: set[Key]) -> Iterator[tuple[Key, Satellite]]:
-    for start in range(3, len(fields) - 3, 4):
-        key = _key(talker, "", fields[start])
-        if key:
-            yield key, _satellite(key, *fields[start + 1 : start + 4], key in used)
-
-
-@lru_cache(maxsize=1024)
 def _key(talker: str, system_id: str, prn: str) -> Key | None:
     number = count(prn)
     return (system_of(talker, system_id, number), number) if number else None
 
 
+# a satellite hardly moves in a minute, and its signal comes back to the same few whole numbers
 @lru_cache(maxsize=4096)
-def _satellite(key: Key, elevation: str, azimuth: str, snr: str, used: bool) -> Satellite:
-    system, prn = key
-    return Satellite(
-        system=system,
-        prn=prn,
+def _seen(talker: str, prn: str, elevation: str, azimuth: str, snr: str) -> Seen | None:
+    """A satellite as one sentence tells of it; None for an empty place."""
+    key = _key(talker, "", prn)
+    if key is None:
+        return None
+    unused = Satellite(
+        system=key[0],
+        prn=key[1],
         elevation_deg=_elevation_deg(elevation),
         azimuth_deg=bearing_deg(azimuth),
         snr_dbhz=positive(snr),
-        used=used,
     )
+    return Seen(key, used=msgspec.structs.replace(unused, used=True), unused=unused)
 
 
-def _stronger(one: Satellite, other: Satellite) -> Satellite:
+def _stronger(one: Seen, other: Seen) -> Seen:
     """A satellite heard on several signals is listed once a signal: the strongest stands."""
-    return other if (one.snr_dbhz or 0.0) < (other.snr_dbhz or 0.0) else one
+    return other if (one.unused.snr_dbhz or 0.0) < (other.unused.snr_dbhz or 0.0) else one
 
 
 def _elevation_deg(text: str) -> float | None:
