@@ -15,8 +15,9 @@ class SteadyClock:
 
     def steady(self, t_ns: int) -> int:
         """The time to use for a reading; never less than for the reading before."""
-        if self._rebase_ns and t_ns >= self._last_ns:
-            self._rebase_ns = 0
+        if t_ns >= self._last_ns:
+            self._rebase_ns, self._last_ns = 0, t_ns
+            return t_ns
         if t_ns + self._rebase_ns < self._last_ns - SMALL_DISORDER_NS:
             self._rebase_ns = self._last_ns - t_ns
             self.steps += 1

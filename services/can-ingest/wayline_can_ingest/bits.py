@@ -18,7 +18,7 @@ class BitField(NamedTuple):
     name: str
     is_big_endian: bool
     shift: int
-    """From the lowest bit of the frame read as one integer of this byte order."""
+    """Little endian: from the frame's lowest bit; big endian: bits up to the signal's end."""
     mask: int
     sign: int
     """Its highest bit where it is signed, else 0."""
@@ -34,14 +34,15 @@ class BitReader:
     """Decodes the given signals of frames, whatever their length."""
 
     def __init__(self, signals: Sequence[Signal], *, j1939: bool) -> None:
-        self._big_bytes = max((_end(each) + 7) // 8 for each in signals)
-        self._fields = [_field(each, self._big_bytes, j1939) for each in signals]
-        self._has_big_endian = any(field.is_big_endian for field in self._fields)
+        self._fields = [_field(each, j1939) for each in signals]
+        self._has_big = any(field.is_big_endian for field in self._fields)
+        self._has_little = not all(field.is_big_endian for field in self._fields)
 
     def read(self, data: bytes) -> dict[str, float | None]:
         """The signals that the frame holds, None for one that says it has no value."""
-        little = int.from_bytes(data, "little")
-        big = self._big(data) if self._has_big_endian else 0
+        count = len(data)
+        little = int.from_bytes(data, "little") if self._has_little else 0
+        big = int.from_bytes(data, "big") if self._has_big else 0
         values: dict[str, float | None] = {}
         for (
             name,
@@ -54,9 +55,9 @@ class BitReader:
             scale,
             offset,
         ) in self._fields:
-            if len(data) < least_bytes:
+            if count < least_bytes:
                 continue
-            raw = (big if is_big else little) >> shift & mask
+            raw = (big >> 8 * count - shift if is_big else little >> shift) & mask
             if raw >= missing_from:
                 values[name] = None
                 continue
@@ -65,30 +66,21 @@ class BitReader:
             values[name] = raw * scale + offset
         return values
 
-    def _big(self, data: bytes) -> int:
-        """The frame up to the last byte that is asked for, as if it were that long."""
-        return int.from_bytes(data[: self._big_bytes].ljust(self._big_bytes, b"\0"), "big")
-
 
 def are_plain(signals: Sequence[Signal]) -> bool:
     """Whether a BitReader can read them."""
     return not any(signal.conversion.is_float or signal.multiplexer_ids for signal in signals)
 
 
-def _end(signal: Signal) -> int:
-    """The bit behind a signal's last one, in the order of its bytes."""
+def _field(signal: Signal, j1939: bool) -> BitField:
+    is_big = signal.byte_order == "big_endian"
     # a big-endian signal starts at its highest bit, bits counted from the right in each byte
-    first = signal.start ^ 7 if signal.byte_order == "big_endian" else signal.start
-    return first + signal.length
-
-
-def _field(signal: Signal, big_bytes: int, j1939: bool) -> BitField:
-    is_big, end = signal.byte_order == "big_endian", _end(signal)
+    end = (signal.start ^ 7 if is_big else signal.start) + signal.length
     mask = (1 << signal.length) - 1
     return BitField(
         name=signal.name,
         is_big_endian=is_big,
-        shift=8 * big_bytes - end if is_big else signal.start,
+        shift=end if is_big else signal.start,
         mask=mask,
         sign=1 << (signal.length - 1) if signal.is_signed else 0,
         least_bytes=(end + 7) // 8,

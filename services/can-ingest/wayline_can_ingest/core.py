@@ -51,6 +51,7 @@ class CanIngestCore:
         self._steady = SteadyClock()
         self._waiting: list[Frame] = []
         self._fix = SpreadFix(mapping.gps_fields, round(vehicle.gps_latency_s * 1e9))
+        self._has_fix = bool(mapping.gps_fields)
         self.dropped = 0
         """Frames that came before the clock signal and did not fit the waiting room."""
 
@@ -114,7 +115,7 @@ class CanIngestCore:
     def _decode(self, frame: Frame, plan: FramePlan, messages: list[Message]) -> None:
         """Add the messages that a frame makes, and the fix before it if that is overdue."""
         t_ns = self._steady.steady(frame.t_ns + (self._clock.offset_ns or 0))
-        if self._mapping.gps_fields:
+        if self._has_fix:
             messages += self._fix.overdue(t_ns)
         signals = plan.decode(frame.data)
         if not signals:
@@ -122,17 +123,23 @@ class CanIngestCore:
         for name in plan.kept:
             if name in signals:
                 self._latest[plan.name, name] = signals[name]
-        for output in plan.outputs:
-            fields = self._fields(output.extractors, signals, t_ns, frame.arbitration_id)
-            if fields is not None and output.topic is not None:
-                messages.append(output.topic(t_ns=max(t_ns - output.latency_ns, 0), **fields))
+        for topic, latency_ns, extractors in plan.outputs:
+            fields = self._fields(extractors, signals, t_ns, frame.arbitration_id)
+            if fields is not None and topic is not None:
+                messages.append(topic(t_ns=t_ns - latency_ns if t_ns > latency_ns else 0, **fields))
+        if plan.fix_extractors:
+            self._add_to_fix(plan, signals, t_ns, messages)
+
+    def _add_to_fix(
+        self, plan: FramePlan, signals: Signals, t_ns: int, messages: list[Message]
+    ) -> None:
+        """Add what the frame holds of a fix, and the fix where that makes it whole."""
         for extractor in plan.fix_extractors:
             if extractor.is_held_by(signals):
                 value = extractor.read(signals, self._latest)
                 if extractor.rank is None or self._admits(extractor, value, t_ns):
                     messages += self._fix.take(plan.name, extractor, value, t_ns)
-        if plan.fix_extractors:
-            messages += self._fix.if_complete()
+        messages += self._fix.if_complete()
 
     def _fields(
         self, extractors: Sequence[Extractor], signals: Signals, t_ns: int, unit: int
