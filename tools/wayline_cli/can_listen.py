@@ -15,6 +15,7 @@ from wayline.inputs import Frame
 from wayline.settings import LiveCan
 from wayline_can_ingest.frames import ERROR
 from wayline_can_ingest.interfaces import Interface
+from wayline_can_ingest.obd2_poll import Obd2Poll
 from wayline_can_ingest.wanted import Everything
 from wayline_cli.check_can import check_can, try_can
 
@@ -53,7 +54,8 @@ def heard_on(source: LiveCan, seconds: float) -> Heard:
     note = _note(bus)
     stop.set()
     reading.join()
-    return Heard(tuple(frames), note, "" if frames else _mend(source, bus.faults))
+    is_heard = any(map(Obd2Poll.is_reply, frames)) if source.obd2 else bool(frames)
+    return Heard(tuple(frames), note, "" if is_heard else _mend(source, bus.faults))
 
 
 def _note(bus: Interface) -> str:
@@ -63,7 +65,7 @@ def _note(bus: Interface) -> str:
 
 
 def _mend(source: LiveCan, faults: Mapping[str, int]) -> str:
-    """What to look at where not a frame came."""
+    """What to look at where not a frame came, or not a reply."""
     if faults.get(ERROR):
         return "only errors: another bitrate, or CAN high and low swapped"
     if source.obd2:

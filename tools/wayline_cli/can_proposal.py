@@ -75,11 +75,11 @@ class Proposal(NamedTuple):
 
 def messages_by_name(databases: Iterable[Database]) -> dict[str, DbcMessage]:
     """Every message; of two with the same name the first, as can-ingest takes it."""
-    return {
-        message.name: message
-        for database in reversed(list(databases))
-        for message in reversed(database.messages)
-    }
+    found: dict[str, DbcMessage] = {}
+    for database in databases:
+        for message in database.messages:
+            found.setdefault(message.name, message)
+    return found
 
 
 def is_matched_by_pgn(messages: Iterable[DbcMessage], frames: Iterable[Frame]) -> bool:

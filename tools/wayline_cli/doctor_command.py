@@ -115,12 +115,10 @@ def doctor_can_command(
     else:
         live = _source(interface, channel, bitrate, option, obd2=obd2)
         heard, source = _listened(live, seconds), can_table.live(live)
-    if heard.mend:
-        typer.echo(f"not a frame was heard{f' ({heard.note})' if heard.note else ''}: {heard.mend}")
-        raise typer.Exit(1)
-    if heard.note:
-        typer.echo(heard.note)
-    _show(diagnose(heard.frames, _profiles(), databases, paths, source))
+    _echo(filter(None, (heard.note, heard.mend)))
+    if heard.frames or not heard.mend:
+        _show(diagnose(heard.frames, _profiles(), databases, paths, source))
+    raise typer.Exit(1 if heard.mend else 0)
 
 
 def _source(

@@ -145,9 +145,11 @@ VAL_ 9 GEAR 0 "D" 8 "N" 16 "R" 32 "P";
     assert proposed(lever)["odometer.reverse"].equals == 16
 
 
-def test_a_message_without_signals_does_no_harm() -> None:
-    """Databases of networks have such."""
-    assert not proposed("BO_ 9 EMPTY: 8 ECU\n", [frame(9, bytes(8))])
+def test_a_message_without_signals_says_nothing() -> None:
+    """Databases of networks have such; that it comes does not make the database this bus's."""
+    database = cantools.database.load_string(HEAD + "BO_ 9 EMPTY: 8 ECU\n")
+    assert isinstance(database, Database)
+    assert not seen_in(database.messages, [frame(9, bytes(8))], j1939=False).messages
 
 
 def test_j1939_databases_are_known_by_their_groups() -> None:

@@ -176,11 +176,16 @@ def test_a_car_is_asked_for_its_values() -> None:
     try:
         quiet = asked(*bus, "0.5")
         assert not ecu.asked
+        ecu.speaks = False
+        refused = asked(*bus, "1", "--obd2")
+        ecu.speaks = True
         result = asked(*bus, POLLED_SECONDS, "--obd2")
     finally:
         ecu.close()
     assert quiet.exit_code == 1
     assert "--obd2" in quiet.output
+    assert refused.exit_code == 1
+    assert "the vehicle does not answer\nignition on?" in refused.output
     assert "polls 7E8 for 0C 0D 33 62 63" in result.output
     assert 'profile = "obd2"' in result.output
     assert "odometer.speed_mps" in result.output
