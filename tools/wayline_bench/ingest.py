@@ -12,6 +12,7 @@ from wayline.framing import SentenceSplitter
 from wayline.inputs import Sentence
 from wayline_bench.bare_nmea import ALL_READERS, FIX_READERS, parse_and_read, split_parse
 from wayline_bench.ingest_can import frame_rows
+from wayline_bench.ingest_can_live import bus_rows
 from wayline_bench.ingest_live import live_rows
 from wayline_bench.made_up_log import epoch_lines
 from wayline_bench.rounds import Say, Work, in_turns
@@ -36,7 +37,7 @@ def bench(say: Say) -> list[Row]:
         reason = f"no {RECORDED} in the folder that WAYLINE_DATA names"
         print(f"{RECORDED.name} is left out: {reason}", file=sys.stderr)
     rows = [row for name, lines in logs.items() for row in sentence_rows(name, lines, say)]
-    return [*rows, *live_rows(say), *frame_rows(say)]
+    return [*rows, *live_rows(say), *frame_rows(say), *bus_rows(say)]
 
 
 def recorded_lines(path: Path) -> list[str]:
