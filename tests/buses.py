@@ -1,5 +1,6 @@
 """Adapters that misbehave, for tests of what reads a bus."""
 
+import logging
 import threading
 import time
 from collections.abc import Callable
@@ -7,7 +8,15 @@ from typing import Any
 
 import can
 
+log = logging.getLogger(__name__)
+
 WAIT_S = 20.0
+BACK_S = 2.0
+TRIES = 3
+
+
+class DriverBugError(Exception):
+    """What nobody expects."""
 
 
 def message(identifier: int = 0x100, data: bytes = b"\x01\x02", **more: Any) -> can.Message:
@@ -28,6 +37,20 @@ def await_true(condition: Callable[[], bool], what: str) -> float:
         assert time.monotonic() - start_s < WAIT_S, f"not within {WAIT_S:g} s: {what}"
         time.sleep(0.005)
     return time.monotonic() - start_s
+
+
+def back_within(
+    bar_s: float, name: str, fault: Callable[[], None], back_s: Callable[[], float]
+) -> None:
+    """After a fault that has ended when its call returns, data come in time."""
+    seen_s = []
+    for _ in range(TRIES):
+        fault()
+        seen_s.append(back_s())
+        log.info("%s: back after %.2f s", name, seen_s[-1])
+        if seen_s[-1] < bar_s:
+            return
+    raise AssertionError(f"{name}: back only after {seen_s} s")
 
 
 class Adapter:
