@@ -98,6 +98,7 @@ def bus_rows(bus: Bus, name: str, say: Say) -> list[Row]:
         "messages": lambda: translate(bus.core(), bus.mapped),
         "encoded": lambda: publish(bus.core(), bus.mapped),
         "unmapped": lambda: translate(bus.core(), bus.unmapped),
+        "signals": partial(read_signals, bus.mapping, bus.mapped),
         "cantools": partial(decode, bus.databases, bus.mapped),
     }
     spent_s = in_turns(works, ROUNDS, lambda progress: say(f"{name}: {progress}"))
@@ -111,6 +112,7 @@ def bus_rows(bus: Bus, name: str, say: Say) -> list[Row]:
     return [
         row("mapped frame to messages", "messages", "cantools", YARDSTICK, MAPPED_BAR),
         row("mapped frame to encoded messages", "encoded", "cantools", YARDSTICK),
+        row("mapped signals of a frame alone", "signals", "cantools", YARDSTICK),
         row("unmapped frame", "unmapped", "messages", "mapped frame", UNMAPPED_BAR),
     ]
 
@@ -126,6 +128,13 @@ def publish(core: CanIngestCore, frames: Sequence[Frame]) -> None:
     for frame in frames:
         for message in core.handle(frame, "bench"):
             encode(message)
+
+
+def read_signals(mapping: Mapping, frames: Sequence[Frame]) -> None:
+    """The mapped signals of each frame, and nothing made of them."""
+    for frame in frames:
+        for plan in mapping.find(frame.arbitration_id, frame.extended):
+            plan.decode(frame.data)
 
 
 def decode(databases: dict[tuple[int, bool], DbcMessage], frames: Sequence[Frame]) -> None:

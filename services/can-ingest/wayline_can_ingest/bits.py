@@ -1,6 +1,6 @@
 """Pure: reads the few signals that are mapped out of the bits of a frame.
 
-Value by value what `cantools` decodes, in a fraction of its time (docs/measurements.md): cantools
+Value by value what `cantools` decodes, in less than half of its time (docs/measurements.md): that
 unpacks every frame in both byte orders. Floats and multiplexed frames are left to it.
 """
 
