@@ -13,11 +13,12 @@ from wayline.can_log import CanLog
 from wayline.errors import InputError
 from wayline.inputs import Frame
 from wayline.settings import LiveCan
+from wayline_can_ingest.bus_reader import NOT_TRIED
 from wayline_can_ingest.frames import ERROR
 from wayline_can_ingest.interfaces import Interface
 from wayline_can_ingest.obd2_poll import Obd2Poll
 from wayline_can_ingest.wanted import Everything
-from wayline_cli.check_can import check_can, try_can
+from wayline_cli.check_can import check_can
 
 MOST_FRAMES = 500_000
 """Two minutes of a full 500 kbit/s bus: enough of a recording to judge by."""
@@ -35,9 +36,6 @@ class Heard(NamedTuple):
 
 def heard_on(source: LiveCan, seconds: float) -> Heard:
     """Frames of a live bus. Raises InputError where it does not open."""
-    (check,) = check_can([source], try_can)
-    if check.mend:
-        raise InputError(check.subject, check.finding, check.mend)
     frames: list[Frame] = []
 
     def put(given: msgspec.Struct) -> None:
@@ -48,14 +46,26 @@ def heard_on(source: LiveCan, seconds: float) -> Heard:
     stop = threading.Event()
     reading = threading.Thread(target=bus.run, args=(put, stop), daemon=True)
     reading.start()
-    until_s = time.monotonic() + seconds
-    while time.monotonic() < until_s and len(frames) < MOST_FRAMES:
-        time.sleep(LOOK_S)
-    note = _note(bus)
-    stop.set()
-    reading.join()
+    try:
+        _await_open(bus, source)
+        until_s = time.monotonic() + seconds
+        while time.monotonic() < until_s and len(frames) < MOST_FRAMES:
+            time.sleep(LOOK_S)
+        note = _note(bus)
+    finally:
+        stop.set()
+        reading.join()
     is_heard = any(map(Obd2Poll.is_reply, frames)) if source.obd2 else bool(frames)
     return Heard(tuple(frames), note, "" if is_heard else _mend(source, bus.faults))
+
+
+def _await_open(bus: Interface, source: LiveCan) -> None:
+    """Serial adapters take seconds. Raises InputError where it does not open."""
+    while (error := bus.condition.link_error) == NOT_TRIED:
+        time.sleep(LOOK_S)
+    (check,) = check_can([source], lambda _: error)
+    if check.mend:
+        raise InputError(check.subject, check.finding, check.mend)
 
 
 def _note(bus: Interface) -> str:
