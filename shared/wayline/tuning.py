@@ -36,20 +36,42 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Position, speed and course of the fixes calibrate the vehicle's sensors (papers/001)."""
     gate_probability: Probability = 0.9999
     """Good measurements pass a gate this often."""
-    relock_after_s: Positive = 5.0
-    """Fixes that are rejected this long without a break are believed again."""
+    relock_after_s: Positive = 180.0
+    """Positions that are rejected and agree with each other are believed after as long as others
+    were before them, and at the latest after this: one set of walls reflects for a minute or so."""
+    relock_at_once_s: Positive = 5.0
+    """...and at the earliest after this."""
+    relock_after_outage_s: Positive = 25.0
+    """At the latest after an outage, when dead reckoning is the one to doubt..."""
+    relock_outage_s: Positive = 60.0
+    """...which it is when it has lasted so long."""
+    reacquire_probability: Probability = 0.99
+    """After such an outage positions less likely than this wait to be confirmed: a receiver that
+    has just found its satellites again may be hundreds of metres off."""
+    course_relock_after_s: Positive = 5.0
+    """Courses rejected this long without a break are believed: walls do not bend Doppler."""
+    speed_relock_after_s: Positive = 10.0
+    """Speeds of fixes rejected this long: the wheels' scale is another one (other tyres)."""
+    wheels_relock_after_s: Positive = 1.5
+    """Wheels that locked or spun are back after a second; a vehicle that hit something stands."""
+    bias_relock_after_s: Positive = 2.0
+    """A gyro that reads another rate at rest this long has another bias."""
     late_measurement_s: Positive = 1.0
     """Measurements up to this late are applied at their own time."""
     gps_error_time_s: Positive = 120.0
     """Correlation time of a receiver's position error: satellites and air change in minutes."""
-    gps_error_share: Probability = 0.8
+    gps_error_share: Probability = 0.95
     """Share of a fix's variance that varies slowly; the rest is white."""
-    gps_speed_std_mps: Positive = 0.2
-    """Doppler speed of a receiver that reports no std."""
-    gps_course_std_deg: Positive = 1.0
-    """Floor of the course's std, for antenna and mounting."""
-    gps_time_std_s: Positive = 0.1
-    """Residual latency of fixes: turning or braking, course and speed are off by this much time."""
+    gps_speed_std_mps: Positive = 0.1
+    """Doppler per axis at a dilution of 1, of a receiver that reports no std; then learned."""
+    gps_course_std_deg: Positive = 0.05
+    """Floor of the course's std, for wind, camber and rounding."""
+    gps_latency_std_s: Positive = 0.1
+    """Before it is learned: latency of fixes beyond the configured one."""
+    gps_time_std_s: Positive = 0.03
+    """Jitter of that latency: turning, a course is off by this much time."""
+    antenna_lever_m: Positive = 0.5
+    """From the antenna to the rear axle, where the heading is the direction of travel."""
     course_speed_min_mps: Positive = 3.0
     """Course is noise at a crawl."""
     heading_start_std_deg: Positive = 20.0
@@ -58,14 +80,14 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Side slip and what the model leaves out."""
     acceleration_noise_mps_per_sqrt_s: Positive = 1.5
     """Cars change speed by this much in a second."""
-    gyro_noise_deg_per_sqrt_s: Positive = 0.05
-    """Angle random walk of a MEMS gyro with coarse steps."""
+    gyro_noise_deg_per_sqrt_s: Positive = 0.01
+    """Angle random walk of a MEMS gyro in a vehicle that vibrates, besides its steps."""
     turn_noise_deg_per_sqrt_s: Positive = 10.0
     """Without a gyro, headings change by this much in a second."""
     gyro_bias_initial_std_degps: Positive = 1.0
     """A MEMS gyro from the box."""
-    gyro_bias_walk_degps_per_sqrt_s: Positive = 0.0015
-    """0.02 deg/s in three minutes."""
+    gyro_bias_walk_degps_per_sqrt_s: Positive = 0.001
+    """0.02 deg/s in six minutes; what this gyro does is learned."""
     gyro_scale_initial_std: Positive = 0.02
     """Data sheets say 1 to 3 %."""
     gyro_scale_walk_per_sqrt_s: Positive = 1e-5
@@ -80,7 +102,7 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Wheels that have not turned this long stand; a coarse speed reads 0 at a crawl."""
     standstill_std_mps: Positive = 0.02
     """How still still is."""
-    standstill_gyro_std_degps: Positive = 0.2
+    standstill_gyro_std_degps: Positive = 0.1
     """A tenth of a second of gyro at rest: noise, coarse steps, people getting in."""
     calibrated_bias_std_degps: Positive = 0.03
     """Bias known this well costs 10 m after 1 km at 20 m/s."""

@@ -7,7 +7,7 @@ from typing import ClassVar
 import msgspec
 
 from wayline.air import metres_per_pascal, pressure_altitude_m
-from wayline.gps_quality import altitude_std_m, horizontal_std_m
+from wayline.gps_quality import altitude_std_m, horizontal_std_m, is_good
 from wayline.inputs import Tick
 from wayline.messages import (
     Barometer,
@@ -25,8 +25,8 @@ from wayline.tuning import Tuning
 from wayline_fusion.displacement import Displacement
 from wayline_fusion.estimator import Estimator, Snapshot
 from wayline_fusion.events import Event, Fix, Step, WheelSpeed
-from wayline_fusion.horizontal import States
 from wayline_fusion.resolution import Resolution
+from wayline_fusion.states import States
 from wayline_fusion.timeline import Timeline
 from wayline_fusion.vertical import States as VerticalStates
 from wayline_fusion.vertical import VerticalFilter
@@ -36,6 +36,9 @@ OUTAGE_NS = 2_000_000_000
 """Without an accepted fix this long, the pose is dead reckoning (SPEC section 2)."""
 LOST_STD_M = 100.0
 KMH_MPS = 1.0 / 3.6
+DILUTION_MIN = 0.6
+GYRO_ROUNDING_MAX_DEGPS = 0.15
+"""Of steps of half a degree a second; until enough is read, steps seem larger."""
 
 
 class FusionCore:
@@ -57,6 +60,7 @@ class FusionCore:
         self._displacement = Displacement()
         self._wheel_steps = Resolution(1e-4)
         self._pressure_steps = Resolution(0.1)
+        self._rate_steps = Resolution(1e-4)
         self._pressure_altitude_m: float | None = None
         self._reverse = False
         self._can_ns: int | None = None
@@ -86,6 +90,9 @@ class FusionCore:
     def _gyro(self, gyro: Gyro) -> None:
         if gyro.yaw_rate_degps is not None:
             self._can_ns = gyro.t_ns
+            self._rate_steps.learn(gyro.yaw_rate_degps)
+            rounding_degps = min(self._rate_steps.std, GYRO_ROUNDING_MAX_DEGPS)
+            self._estimator.gyro_rounding_radps = math.radians(rounding_degps)
             self._estimator.gyro.add(gyro.t_ns, math.radians(gyro.yaw_rate_degps))
 
     def _odometer(self, odometer: Odometer) -> None:
@@ -129,7 +136,7 @@ class FusionCore:
             lon_deg,
             position_std_m,
             speed_mps,
-            speed_std_mps or self._tuning.gps_speed_std_mps,
+            speed_std_mps or speed_std_mps_of(fix, self._tuning),
             None if course_deg is None else math.radians(course_deg),
             None if course_std_deg is None else math.radians(course_std_deg),
         )
@@ -243,6 +250,8 @@ class FusionCore:
             gyro_scale_std=kalman.std(States.GYRO_SCALE),
             odometer_scale=float(kalman.x[States.ODOMETER_SCALE]),
             odometer_scale_std=kalman.std(States.ODOMETER_SCALE),
+            gps_latency_s=float(kalman.x[States.LATENCY]),
+            gps_latency_std_s=kalman.std(States.LATENCY),
             baro_bias_m=self._vertical.baro_bias_m,
             baro_bias_std_m=barometer,
             calibration=self._calibration(),
@@ -259,3 +268,10 @@ class FusionCore:
         if bias_known and scale_known:
             return "calibrated"
         return "started" if self._estimator.located else "none"
+
+
+def speed_std_mps_of(fix: GpsFix, tuning: Tuning) -> float:
+    """Of a fix that tells none: Doppler suffers from dilution as positions do."""
+    dilution = max(fix.hdop, DILUTION_MIN) if fix.hdop is not None else 1.0
+    std_mps = tuning.gps_speed_std_mps * dilution
+    return std_mps if is_good(fix, tuning) else std_mps * tuning.bad_gps_factor

@@ -4,36 +4,41 @@ import math
 from typing import NamedTuple
 
 import msgspec
+import numpy as np
 
 from wayline.geo import LocalPlane, wrap_360
 from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
-from wayline_fusion.events import Event, Fix, WheelSpeed
-from wayline_fusion.gate import judge
+from wayline_fusion import measurements
+from wayline_fusion.events import Event, Fix, Step, WheelSpeed
+from wayline_fusion.gate import judge, nis_of, threshold
 from wayline_fusion.gyro_track import GyroTrack
-from wayline_fusion.horizontal import Floats, HorizontalFilter, Measurement, States
+from wayline_fusion.horizontal import DrivingNoise, HorizontalFilter
+from wayline_fusion.lockout import patience_s, rejected
+from wayline_fusion.measurements import Measurement
+from wayline_fusion.memory import Memory
+from wayline_fusion.states import Floats, States
 
 LONGEST_STEP_S = 0.5
 PLANE_RADIUS_M = 1_000.0
 """The local plane moves along when the vehicle is this far from its origin."""
 WHEELS_FRESH_NS = 2_000_000_000
 """A wheel speed this old no longer says that the vehicle moves or stands."""
-
-
-class Memory(msgspec.Struct, frozen=True):
-    """What the estimator knows besides the filter's state."""
-
-    t_ns: int = 0
-    plane: LocalPlane | None = None
-    heading_known: bool = False
-    distance_m: float = 0.0
-    wheels_ns: int | None = None
-    still_since_ns: int | None = None
-    accepted_fix_ns: int | None = None
-    rejected_since_ns: int | None = None
-    """First of the positions that were rejected without a break, and the same for courses."""
-    course_rejected_since_ns: int | None = None
+STILL_NS = 100_000_000
+"""At rest the gyro is averaged over a step."""
+ROUNDING_CORRELATION_S = 0.1
+"""While driving, the rate goes through a coarse gyro's steps this fast..."""
+REST_CORRELATION_S = 10.0
+"""...and at rest it stays in one."""
+SPEED_UNKNOWN_MPS = 40.0
+POSITION_FACTOR_MIN = 1.0
+"""Reflections in ordinary streets move fixes by metres at once, then not at all for a while."""
+VELOCITY_FACTOR_MIN = 0.3
+SCALE_UNKNOWN = 0.2
+RELOCK_DOUBT_SHARE = 0.5
+"""Positions that have won against dead reckoning may still be the reflections."""
+SOUND_EVERY_NS = 1_000_000_000
 
 
 class Snapshot(NamedTuple):
@@ -50,9 +55,12 @@ class Estimator:
     def __init__(self, tuning: Tuning) -> None:
         self.filter = HorizontalFilter(tuning)
         self.gyro = GyroTrack()
+        self.gyro_rounding_radps = 0.0
+        """Std of the gyro's steps."""
         self.memory = Memory()
         self._tuning = tuning
         self._verdicts: list[Verdict] = []
+        self._sound = self.snapshot()
 
     def take_verdicts(self) -> list[Verdict]:
         """Verdicts since the last call, those of events applied again after a rewind included."""
@@ -102,7 +110,9 @@ class Estimator:
         elif isinstance(event, WheelSpeed):
             self._wheel_speed(event)
         elif self.standing:
-            self._stand_still()
+            self._stand_still(event)
+        if isinstance(event, Step):
+            self._keep_sound(event.t_ns)
 
     def _remember(self, **changes: object) -> None:
         self.memory = msgspec.structs.replace(self.memory, **changes)
@@ -119,13 +129,14 @@ class Estimator:
             self._start_over(t_ns)
             return
         steps = math.ceil(total_s / LONGEST_STEP_S - 1e-9)
+        noise = self._driving_noise()
         distance_m = memory.distance_m
         for step in range(steps):
             from_ns = memory.t_ns + (t_ns - memory.t_ns) * step // steps
             to_ns = memory.t_ns + (t_ns - memory.t_ns) * (step + 1) // steps
             dt_s = (to_ns - from_ns) * 1e-9
             turn_rad = self.gyro.turned_rad(from_ns, to_ns)
-            self.filter.advance(dt_s, turn_rad, standing=self.standing)
+            self.filter.advance(dt_s, turn_rad, noise, standing=self.standing)
             distance_m += abs(float(self.filter.x[States.SPEED])) * dt_s
         self._remember(t_ns=t_ns, distance_m=distance_m)
         self._move_plane()
@@ -134,7 +145,12 @@ class Estimator:
         """After a silence that no prediction can bridge only the calibration is still good."""
         self.filter.forget_motion()
         distance_m = self.memory.distance_m
-        self.memory = Memory(t_ns=t_ns, distance_m=distance_m)
+        self.memory = msgspec.structs.replace(
+            Memory(t_ns=t_ns, distance_m=distance_m),
+            position_noise=self.memory.position_noise,
+            velocity_noise=self.memory.velocity_noise,
+            wander=self.memory.wander,
+        )
 
     def _move_plane(self) -> None:
         """Put the origin under the vehicle; north turns by the convergence of the meridians."""
@@ -149,25 +165,58 @@ class Estimator:
         self.filter.x = moved
         self._remember(plane=LocalPlane(lat_deg, lon_deg))
 
-    def _wheel_speed(self, event: WheelSpeed) -> None:
-        still = event.speed_mps == 0.0
-        since_ns = self.memory.still_since_ns if still else None
-        if still and since_ns is None:
-            since_ns = event.t_ns
-        self._remember(wheels_ns=event.t_ns, still_since_ns=since_ns)
-        if self.standing:
-            self._stand_still()
-        else:
-            self.filter.correct(self.filter.odometer(event.speed_mps, event.std_mps))
+    def _driving_noise(self) -> DrivingNoise:
+        return DrivingNoise(
+            math.hypot(
+                math.radians(self._tuning.gyro_noise_deg_per_sqrt_s),
+                self.gyro_rounding_radps * math.sqrt(ROUNDING_CORRELATION_S),
+            ),
+            math.radians(self._tuning.gyro_bias_walk_degps_per_sqrt_s)
+            * self.memory.wander.multiple,
+        )
 
-    def _stand_still(self) -> None:
+    def _wheel_speed(self, event: WheelSpeed) -> None:
+        """Correct with a wheel speed, unless no vehicle changes its speed like that."""
+        self._remember(wheels_ns=event.t_ns)
+        if self.standing and event.speed_mps == 0.0:
+            return
+        measurement = measurements.odometer(self.filter.x, event.speed_mps, event.std_mps)
+        since_ns = self.memory.wheels_rejected_since_ns
+        if _has_lasted(since_ns, event.t_ns, self._tuning.wheels_relock_after_s):
+            self.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
+            self._remember(still_since_ns=None)
+        nis = nis_of(measurement, self.filter.expected(measurement))
+        verdict = judge("odometer", event.t_ns, nis, 1, self._tuning.gate_probability)
+        if not verdict.accepted:
+            self._verdicts.append(verdict)
+            self._remember(wheels_rejected_since_ns=since_ns or event.t_ns, still_since_ns=None)
+            return
+        still_since_ns = self.memory.still_since_ns or event.t_ns
+        self._remember(
+            wheels_rejected_since_ns=None,
+            still_since_ns=still_since_ns if event.speed_mps == 0.0 else None,
+        )
+        self.filter.correct(measurement)
+
+    def _stand_still(self, event: Step) -> None:
         """Zero velocity, and the gyro reads its bias."""
         tuning = self._tuning
-        self.filter.correct(self.filter.still(tuning.standstill_std_mps))
-        rate_radps = self.gyro.rate_radps(self.memory.t_ns)
-        if rate_radps is not None:
-            std_radps = math.radians(tuning.standstill_gyro_std_degps)
-            self.filter.correct(self.filter.still_rate(rate_radps, std_radps))
+        self.filter.correct(measurements.still(self.filter.x, tuning.standstill_std_mps))
+        turned_rad = self.gyro.turned_rad(event.t_ns - STILL_NS, event.t_ns)
+        if turned_rad is None:
+            return
+        still_s = STILL_NS * 1e-9
+        # at rest a coarse gyro reads the same step all the time
+        rounding_radps = self.gyro_rounding_radps * math.sqrt(REST_CORRELATION_S / still_s)
+        std_radps = math.hypot(math.radians(tuning.standstill_gyro_std_degps), rounding_radps)
+        rate_radps = turned_rad / still_s
+        measurement = measurements.still_rate(self.filter.x, rate_radps, std_radps)
+        since_ns = self.memory.still_rate_rejected_since_ns
+        if _has_lasted(since_ns, event.t_ns, tuning.bias_relock_after_s):
+            # another gyro, or one that was switched off and on
+            self.filter.doubt(States.GYRO_BIAS, math.radians(tuning.gyro_bias_initial_std_degps))
+        is_accepted = self._gated(measurement, event.t_ns, is_silent=True)
+        self._remember(still_rate_rejected_since_ns=_since(is_accepted, since_ns, event.t_ns))
 
     def _fix(self, fix: Fix) -> None:
         plane = self.memory.plane
@@ -179,60 +228,175 @@ class Estimator:
         if fix.speed_mps is not None:
             if not self.wheels_fresh and self.filter.x[States.SPEED] < 0.0:
                 self.filter.go_forward()
-            self._gated(self.filter.gps_speed(fix.speed_mps, fix.speed_std_mps), fix.t_ns)
+            self._gps_speed(fix, fix.speed_mps)
             self._course(fix, fix.speed_mps)
+        kalman = self.filter
+        walk = math.radians(self._tuning.gyro_bias_walk_degps_per_sqrt_s)
+        bias_std = kalman.std(States.GYRO_BIAS)
+        if bias_std <= math.radians(self._tuning.calibrated_bias_std_degps):
+            bias = float(kalman.x[States.GYRO_BIAS])
+            self._remember(wander=self.memory.wander.noticed(fix.t_ns, bias, bias_std, walk))
 
-    def _place(self, fix: Fix, east_m: float, north_m: float) -> None:
-        self.filter.place(east_m, north_m, fix.position_std_m)
-        self._remember(accepted_fix_ns=fix.t_ns, rejected_since_ns=None)
+    def _place(self, fix: Fix, east_m: float, north_m: float, doubt_m: float = 0.0) -> None:
+        self.filter.place(east_m, north_m, fix.position_std_m, doubt_m)
+        self._remember(placed_ns=fix.t_ns, accepted_fix_ns=fix.t_ns, lockout=None)
 
     def _position(self, fix: Fix, east_m: float, north_m: float) -> None:
         """Correct with a position; where dead reckoning is not possible yet, start from it."""
-        if not self.memory.heading_known:
+        memory = self.memory
+        if not memory.heading_known:
             self._place(fix, east_m, north_m)
-        elif self._gated(self.filter.position(east_m, north_m, fix.position_std_m), fix.t_ns):
-            self._remember(accepted_fix_ns=fix.t_ns, rejected_since_ns=None)
-        elif self._locked_out(self.memory.rejected_since_ns, fix.t_ns):
-            self._place(fix, east_m, north_m)
+            return
+        slow_std_m = self.filter.slow_std_m(fix.position_std_m)
+        claimed_m2 = fix.position_std_m**2 - slow_std_m**2
+        white_std_m = math.sqrt(memory.position_noise.factor * claimed_m2)
+        measurement = measurements.position(self.filter.x, east_m, north_m, slow_std_m, white_std_m)
+        expected = self.filter.expected(measurement)
+        nis = nis_of(measurement, expected)
+        unaided_s = (fix.t_ns - (memory.accepted_fix_ns or fix.t_ns)) * 1e-9
+        verdict = self._position_verdict(fix.t_ns, nis, unaided_s)
+        self._verdicts.append(verdict)
+        if not verdict.accepted:
+            self._locked_out(fix, (east_m, north_m), measurement, nis, unaided_s)
+            return
+        self.filter.correct(measurement)
+        noise = memory.position_noise
+        if self.wheels_fresh:
+            square = 0.5 * float(measurement.y @ measurement.y)
+            noise = noise.learned(
+                square, 0.5 * float(np.trace(expected)), claimed_m2, POSITION_FACTOR_MIN
+            )
+        self._remember(accepted_fix_ns=fix.t_ns, lockout=None, position_noise=noise)
+
+    def _position_verdict(self, t_ns: int, nis: float, unaided_s: float) -> Verdict:
+        """After a long outage a position that is none too likely waits until others confirm it."""
+        tuning, lockout = self._tuning, self.memory.lockout
+        doubt_s = unaided_s if lockout is None else lockout.unaided_s
+        if doubt_s > tuning.relock_outage_s:
+            return judge("gps_position", t_ns, nis, 2, tuning.reacquire_probability)
+        return judge("gps_position", t_ns, nis, 2, tuning.gate_probability)
+
+    def _locked_out(
+        self,
+        fix: Fix,
+        place_m: tuple[float, float],
+        measurement: Measurement,
+        nis: float,
+        unaided_s: float,
+    ) -> None:
+        """Remember a rejected position; believe it when others have agreed for long enough."""
+        memory, tuning = self.memory, self._tuning
+        off_m = (float(measurement.y[0]), float(measurement.y[1]))
+        lockout = rejected(memory.lockout, fix.t_ns, off_m, fix.position_std_m, unaided_s)
+        is_likely = nis <= threshold(2, tuning.gate_probability)
+        supported_s = ((memory.accepted_fix_ns or 0) - (memory.placed_ns or 0)) * 1e-9
+        if lockout.agreed_s < patience_s(lockout, supported_s, tuning, is_likely=is_likely):
+            self._remember(lockout=lockout)
+        elif is_likely:
+            self.filter.correct(measurement)
+            self._remember(accepted_fix_ns=fix.t_ns, lockout=None)
         else:
-            self._remember(rejected_since_ns=self.memory.rejected_since_ns or fix.t_ns)
+            self._place(fix, *place_m, doubt_m=RELOCK_DOUBT_SHARE * lockout.off_m)
+
+    def _gps_speed(self, fix: Fix, speed_mps: float) -> None:
+        memory, tuning = self.memory, self._tuning
+        std_mps = fix.speed_std_mps * math.sqrt(memory.velocity_noise.factor)
+        measurement = measurements.gps_speed(self.filter.x, speed_mps, std_mps)
+        expected = self.filter.expected(measurement)
+        since_ns = memory.speed_rejected_since_ns
+        if _has_lasted(since_ns, fix.t_ns, tuning.speed_relock_after_s):
+            # other tyres, or a speed in another unit
+            self.filter.doubt(States.ODOMETER_SCALE, SCALE_UNKNOWN)
+            self.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
+        is_accepted = self._gated(measurement, fix.t_ns)
+        noise = memory.velocity_noise
+        if is_accepted and self.wheels_fresh and speed_mps >= tuning.course_speed_min_mps:
+            square = float(measurement.y[0]) ** 2
+            noise = noise.learned(
+                square, float(expected[0, 0]), fix.speed_std_mps**2, VELOCITY_FACTOR_MIN
+            )
+        self._remember(
+            velocity_noise=noise,
+            speed_rejected_since_ns=_since(is_accepted, since_ns, fix.t_ns),
+        )
 
     def _course(self, fix: Fix, speed_mps: float) -> None:
         tuning = self._tuning
         if fix.course_rad is None or speed_mps < tuning.course_speed_min_mps:
             return
-        own_rad = fix.course_std_rad or fix.speed_std_mps / speed_mps
-        std_rad = max(own_rad, math.radians(tuning.gps_course_std_deg))
-        rate_radps = self.gyro.rate_radps(fix.t_ns) or 0.0
-        std_rad = math.hypot(std_rad, rate_radps * tuning.gps_time_std_s)
+        rate_radps = self.gyro.rate_radps(fix.t_ns)
+        rate_radps = (
+            0.0 if rate_radps is None else rate_radps - float(self.filter.x[States.GYRO_BIAS])
+        )
+        std_rad = self._course_std_rad(fix, speed_mps, rate_radps)
         since_ns = self.memory.course_rejected_since_ns
-        if not self.memory.heading_known or self._locked_out(since_ns, fix.t_ns):
+        is_locked = _has_lasted(since_ns, fix.t_ns, tuning.course_relock_after_s)
+        if not self.memory.heading_known or is_locked:
             start_rad = max(std_rad, math.radians(tuning.heading_start_std_deg))
             backwards_rad = math.pi if self.filter.x[States.SPEED] < 0.0 else 0.0
             self.filter.turn_to(fix.course_rad + backwards_rad, start_rad)
             self._remember(heading_known=True, course_rejected_since_ns=None)
-        elif self._gated(self.filter.course(fix.course_rad, std_rad), fix.t_ns):
-            self._remember(course_rejected_since_ns=None)
-        else:
-            self._remember(course_rejected_since_ns=since_ns or fix.t_ns)
+            if is_locked:
+                bias_std_degps = tuning.gyro_bias_initial_std_degps
+                self.filter.doubt(States.GYRO_BIAS, math.radians(bias_std_degps))
+            return
+        measurement = measurements.course(self.filter.x, fix.course_rad, std_rad, rate_radps)
+        is_accepted = self._gated(measurement, fix.t_ns)
+        self._remember(course_rejected_since_ns=_since(is_accepted, since_ns, fix.t_ns))
 
-    def _locked_out(self, since_ns: int | None, t_ns: int) -> bool:
-        return since_ns is not None and t_ns - since_ns >= self._tuning.relock_after_s * 1e9
+    def _course_std_rad(self, fix: Fix, speed_mps: float, rate_radps: float) -> float:
+        """Doppler across the direction of travel, mounting, and what turning adds."""
+        tuning = self._tuning
+        noise = math.sqrt(self.memory.velocity_noise.factor)
+        doppler_rad = fix.course_std_rad or fix.speed_std_mps * noise / speed_mps
+        turning_rad = rate_radps * (tuning.antenna_lever_m / speed_mps + tuning.gps_time_std_s)
+        return math.hypot(doppler_rad, math.radians(tuning.gps_course_std_deg), turning_rad)
 
-    def _gated(self, measurement: Measurement, t_ns: int) -> bool:
-        _, nis = self.filter.innovation(measurement)
+    def _gated(self, measurement: Measurement, t_ns: int, *, is_silent: bool = False) -> bool:
+        """Correct with a likely measurement; `is_silent` says so only of an unlikely one."""
+        nis = nis_of(measurement, self.filter.expected(measurement))
         verdict = judge(
-            measurement.sensor,
-            t_ns,
-            nis,
-            len(measurement.z),
-            self._tuning.gate_probability,
+            measurement.sensor, t_ns, nis, len(measurement.y), self._tuning.gate_probability
         )
-        self._verdicts.append(verdict)
+        if not (is_silent and verdict.accepted):
+            self._verdicts.append(verdict)
         if verdict.accepted:
             self.filter.correct(measurement)
         return verdict.accepted
 
+    def _keep_sound(self, t_ns: int) -> None:
+        """Notice lost numbers; a good state is kept now and then."""
+        kalman = self.filter
+        if not math.isfinite(float(kalman.x.sum()) + float(kalman.P.sum())):
+            self._recover(t_ns)
+        elif t_ns - self._sound.memory.t_ns >= SOUND_EVERY_NS:
+            self._sound = self.snapshot()
+
+    def _recover(self, t_ns: int) -> None:
+        """Start anew with the last calibration that had numbers, and say so."""
+        self.filter.x, self.filter.P = self._sound.x.copy(), self._sound.P.copy()
+        self.filter.forget_motion()
+        self.memory = Memory(t_ns=t_ns, distance_m=self._sound.memory.distance_m)
+        self._verdicts.append(
+            Verdict(
+                sensor="filter",
+                t_ns=t_ns,
+                accepted=False,
+                nis=0.0,
+                threshold=0.0,
+                reason="lost its numbers; restarted with the last good calibration",
+            )
+        )
+
     def heading_deg(self) -> float:
         """Heading, true, clockwise from north."""
         return wrap_360(math.degrees(float(self.filter.x[States.HEADING])))
+
+
+def _since(is_accepted: bool, since_ns: int | None, t_ns: int) -> int | None:
+    """Since when measurements are rejected without a break, after one more."""
+    return None if is_accepted else since_ns or t_ns
+
+
+def _has_lasted(since_ns: int | None, t_ns: int, after_s: float) -> bool:
+    return since_ns is not None and t_ns - since_ns >= after_s * 1e9

@@ -2,15 +2,26 @@
 
 from functools import cache
 
+import numpy as np
 from scipy.special import chdtri
 
 from wayline.messages import Verdict
+from wayline_fusion.measurements import Measurement
+from wayline_fusion.states import Floats
 
 
 @cache
 def threshold(dimension: int, probability: float) -> float:
     """Bound of the normalised innovation squared that good measurements pass this often."""
     return float(chdtri(dimension, 1.0 - probability))
+
+
+def nis_of(measurement: Measurement, expected: Floats) -> float:
+    """Normalised innovation squared; `expected` is H P H'."""
+    y, covariance = measurement.y, expected + measurement.R
+    if len(y) == 1:
+        return float(y[0]) ** 2 / float(covariance[0, 0])
+    return float(y @ np.linalg.solve(covariance, y))
 
 
 def judge(sensor: str, t_ns: int, nis: float, dimension: int, probability: float) -> Verdict:

@@ -79,7 +79,7 @@ def test_an_outage_is_dead_reckoned_with_growing_stds() -> None:
     assert before.mode == "fused"
     assert end.mode == "dead_reckoning"
     assert error_m(end, truths) < 7.0
-    assert position_std_m(end) > 2.0 * position_std_m(before)
+    assert position_std_m(end) > 1.5 * position_std_m(before)
     assert error_m(end, truths) < 3.0 * position_std_m(end)
     assert statuses[-1].outage_s < 2.0
     assert poses[-1].mode == "fused"
@@ -124,8 +124,8 @@ def test_one_displaced_fix_is_rejected_and_said_so() -> None:
     assert only(outputs, Pose)[-1].lat_deg == pytest.approx(clean.lat_deg, abs=2e-6)
 
 
-def test_fixes_that_stay_displaced_are_believed_after_a_while() -> None:
-    truths = truth_of(circle, 120.0)
+def test_fixes_that_stay_displaced_are_believed_after_as_long_as_the_others_were() -> None:
+    truths = truth_of(circle, 130.0)
     displaced_m = 300.0
     messages: list[Message] = []
     for message in messages_of(circle, truths, Sensors()):

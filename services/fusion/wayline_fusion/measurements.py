@@ -1,0 +1,80 @@
+"""Pure: what each sensor measures of the horizontal filter's state, linearised at it.
+
+papers/001 lists the measurements ("GPS derived heading, velocity and position") in words.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from wayline.geo import wrap_pi
+from wayline_fusion.states import Floats, States
+
+S = States
+SIZE = len(S)
+
+
+class Measurement(NamedTuple):
+    """One linearised measurement: innovation y = H dx + noise of covariance R."""
+
+    sensor: str
+    y: Floats
+    H: Floats
+    R: Floats
+
+
+def position(
+    x: Floats, east_m: float, north_m: float, slow_std_m: float, white_std_m: float
+) -> Measurement:
+    """GPS position of the instant LATENCY ago; a part of its error varies slowly (shaping)."""
+    sin, cos = math.sin(x[S.HEADING]), math.cos(x[S.HEADING])
+    late_m = x[S.SPEED] * x[S.LATENCY]
+    H = np.zeros((2, SIZE))
+    H[0, S.EAST] = H[1, S.NORTH] = 1.0
+    H[0, S.GPS_EAST] = H[1, S.GPS_NORTH] = slow_std_m
+    H[0, S.SPEED], H[1, S.SPEED] = -sin * x[S.LATENCY], -cos * x[S.LATENCY]
+    H[0, S.HEADING], H[1, S.HEADING] = -cos * late_m, sin * late_m
+    H[0, S.LATENCY], H[1, S.LATENCY] = -sin * x[S.SPEED], -cos * x[S.SPEED]
+    expected_east_m = x[S.EAST] + slow_std_m * x[S.GPS_EAST] - sin * late_m
+    expected_north_m = x[S.NORTH] + slow_std_m * x[S.GPS_NORTH] - cos * late_m
+    y = np.array([east_m - expected_east_m, north_m - expected_north_m])
+    return Measurement("gps_position", y, H, np.diag([white_std_m**2, white_std_m**2]))
+
+
+def gps_speed(x: Floats, speed_mps: float, std_mps: float) -> Measurement:
+    """GPS speed over ground, which has no sign."""
+    direction = -1.0 if x[S.SPEED] < 0.0 else 1.0
+    return _scalar("gps_speed", speed_mps - direction * x[S.SPEED], {S.SPEED: direction}, std_mps)
+
+
+def course(x: Floats, course_rad: float, std_rad: float, rate_radps: float) -> Measurement:
+    """GPS course over ground LATENCY ago: the heading then, or its opposite in reverse."""
+    heading = x[S.HEADING] + (math.pi if x[S.SPEED] < 0.0 else 0.0)
+    expected = heading - rate_radps * x[S.LATENCY]
+    by_state = {S.HEADING: 1.0, S.LATENCY: -rate_radps}
+    return _scalar("gps_course", wrap_pi(course_rad - expected), by_state, std_rad)
+
+
+def odometer(x: Floats, speed_mps: float, std_mps: float) -> Measurement:
+    """Wheel speed with sign; true speed = odometer_scale x measured."""
+    speed, scale = x[S.SPEED], x[S.ODOMETER_SCALE]
+    by_state = {S.SPEED: 1.0 / scale, S.ODOMETER_SCALE: -speed / scale**2}
+    return _scalar("odometer", speed_mps - speed / scale, by_state, std_mps)
+
+
+def still(x: Floats, std_mps: float) -> Measurement:
+    """Zero velocity."""
+    return _scalar("standstill", -x[S.SPEED], {S.SPEED: 1.0}, std_mps)
+
+
+def still_rate(x: Floats, rate_radps: float, std_radps: float) -> Measurement:
+    """What the gyro reads at standstill is its bias."""
+    return _scalar("standstill_gyro", rate_radps - x[S.GYRO_BIAS], {S.GYRO_BIAS: 1.0}, std_radps)
+
+
+def _scalar(sensor: str, y: float, by_state: dict[S, float], std: float) -> Measurement:
+    H = np.zeros((1, SIZE))
+    for state, derivative in by_state.items():
+        H[0, state] = derivative
+    return Measurement(sensor, np.array([y]), H, np.array([[std**2]]))

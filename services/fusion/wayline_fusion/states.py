@@ -1,0 +1,23 @@
+"""Pure: the horizontal filter's state vector."""
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class States(IntEnum):
+    """Places in the state vector, with the unit of each."""
+
+    EAST = 0  # m
+    NORTH = 1  # m
+    HEADING = 2  # rad
+    SPEED = 3  # m/s, negative in reverse
+    GYRO_BIAS = 4  # rad/s
+    GYRO_SCALE = 5
+    ODOMETER_SCALE = 6
+    GPS_EAST = 7  # slowly varying error of the fixes, in their own stds
+    GPS_NORTH = 8
+    LATENCY = 9  # s, of the fixes beyond what ingest has taken off
