@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
 from rich.table import Table
 
 from wayline_evaluation.sensor_gps import LAGS_S, Correlation, GpsFigures
@@ -10,8 +11,6 @@ from wayline_evaluation.sensor_study import Group, SensorReport
 from wayline_evaluation.sensor_vehicle import BarometerFigures, GyroFigures, OdometerFigures
 
 TAUS_S = (0.1, 1.0, 10.0, 100.0)
-TAU_FACTOR = 1.2
-"""Averaging times on a log scale come so near to those above at least."""
 Rows = dict[str, str]
 
 
@@ -98,12 +97,16 @@ def _gyro_rows(figures: GyroFigures | None) -> Rows:
 
 
 def _allan_rows(points: Sequence[AllanPoint]) -> Rows:
-    rows = {}
-    for tau_s in TAUS_S:
-        near = min(points, key=lambda point: abs(point.tau_s / tau_s - 1.0), default=None)
-        if near and 1.0 / TAU_FACTOR <= near.tau_s / tau_s <= TAU_FACTOR:
-            rows[f"Allan deviation at {tau_s:g} s, deg/s"] = _number(near.deviation_degps, 4)
-    return rows
+    """Between two points, eight a decade, the curve is taken as straight."""
+    taus = np.log([point.tau_s for point in points])
+    deviations_degps = [point.deviation_degps for point in points]
+    return {
+        f"Allan deviation at {tau_s:g} s, deg/s": _number(
+            float(np.interp(np.log(tau_s), taus, deviations_degps)), 4
+        )
+        for tau_s in TAUS_S
+        if points and points[0].tau_s <= tau_s <= points[-1].tau_s
+    }
 
 
 def _odometer_rows(figures: OdometerFigures | None) -> Rows:
