@@ -1,6 +1,7 @@
 """The bounded queue between threads that hear things and the one thread that works."""
 
 import queue
+import time
 from typing import NamedTuple
 
 import msgspec
@@ -38,25 +39,35 @@ Item = Sample | Raw | Alive
 
 
 class Inbox:
-    """Putting never waits: what does not fit is dropped and counted."""
+    """Putting never waits: what does not fit is dropped and counted.
+
+    A SimpleQueue costs a tenth of a bounded Queue. Threads that put at one moment may each find the
+    last place free, so the capacity may be exceeded by as many.
+    """
 
     def __init__(self, capacity: int = CAPACITY) -> None:
-        self._queue: queue.Queue[Item] = queue.Queue(capacity)
+        self._queue: queue.SimpleQueue[Item] = queue.SimpleQueue()
+        self._capacity = capacity
         self.dropped = 0
 
     def put(self, item: Item) -> None:
         """Add an item from any thread."""
-        try:
-            self._queue.put_nowait(item)
-        except queue.Full:
+        if self._is_full():
             self.dropped += 1
+        else:
+            self._queue.put(item)
 
-    def put_waiting(self, item: Item, timeout_s: float) -> bool:
-        """Add an item of a source that can wait, such as a file; False if there was no room."""
-        try:
-            self._queue.put(item, timeout=timeout_s)
-        except queue.Full:
+    def put_waiting(self, item: Item, pause_s: float) -> bool:
+        """Add an item of a source that can wait, such as a file, after a pause if it must.
+
+        False if there was no room then either. The pause should be shorter than what the loop
+        takes over a full inbox, or that runs dry meanwhile.
+        """
+        if self._is_full():
+            time.sleep(pause_s)
+        if self._is_full():
             return False
+        self._queue.put(item)
         return True
 
     def get(self, timeout_s: float) -> Item | None:
@@ -70,3 +81,6 @@ class Inbox:
     def backlog(self) -> int:
         """How many items wait."""
         return self._queue.qsize()
+
+    def _is_full(self) -> bool:
+        return self._queue.qsize() >= self._capacity

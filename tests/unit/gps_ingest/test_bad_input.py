@@ -125,7 +125,9 @@ def test_bad_input_is_counted_by_reason(text: str, reason: str) -> None:
     assert core.bad_input == 1
 
 
-@pytest.mark.parametrize("text", ["$PGRMM,WGS 84*06", "$GPBOD,,T,,M,,*47", "!AIVDM,1,1,,A,x,0"])
+@pytest.mark.parametrize(
+    "text", ["$PGRMM,WGS 84*06", "$GPBOD,,T,,M,,*47", "!AIVDM,1,1,,A,x,0", "!GPRMC,120000,V"]
+)
 def test_sentences_of_no_interest_are_not_bad(text: str) -> None:
     core = GpsIngestCore()
     hear(core, [text])

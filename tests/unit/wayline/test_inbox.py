@@ -1,5 +1,7 @@
 """The queue before the loop: in order, bounded, and what does not fit is counted."""
 
+import pytest
+
 from builders import at, gyro
 from wayline.inbox import Inbox, Item, Raw, Sample
 
@@ -41,3 +43,14 @@ def test_a_source_that_can_wait_is_told_that_there_is_no_room_and_loses_nothing(
     assert not inbox.put_waiting(raw, NOW_S)
     assert inbox.dropped == 0
     assert taken(inbox) == [raw]
+
+
+def test_a_source_that_can_wait_takes_the_room_that_its_pause_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The loop takes an item meanwhile; the next one is put without a second attempt."""
+    inbox = Inbox(capacity=1)
+    inbox.put(sample(0))
+    monkeypatch.setattr("wayline.inbox.time.sleep", inbox.get)
+    assert inbox.put_waiting(sample(1), NOW_S)
+    assert taken(inbox) == [sample(1)]
