@@ -8,6 +8,9 @@ from cantools.database.can import Database
 
 from wayline.errors import InputError
 
+LONGEST = 200
+"""Characters of cantools' reason: of a file of another kind it quotes the whole line."""
+
 
 def load_databases(paths: Sequence[Path]) -> list[Database]:
     """Every database of a source, in order; overlapping signals are tolerated."""
@@ -22,8 +25,14 @@ def load_database(path: Path) -> Database:
     except FileNotFoundError:
         raise InputError(str(path), "no such file", "check the path") from None
     except (cantools.Error, ValueError, OSError) as error:
-        reason = " ".join(str(error).split())
-        raise InputError(str(path), f"is no CAN database ({reason})", mend) from None
+        raise InputError(str(path), f"is no CAN database ({_reason(error)})", mend) from None
     if not isinstance(database, Database):
         raise InputError(str(path), "is a diagnostics database", "name a CAN database")
     return database
+
+
+def _reason(error: Exception) -> str:
+    """One line that a terminal can show."""
+    said = " ".join(str(error).split())
+    shown = "".join(each if each.isprintable() else "?" for each in said)
+    return shown if len(shown) <= LONGEST else f"{shown[:LONGEST]}..."
