@@ -177,6 +177,8 @@ class Estimator:
 
     def _wheel_speed(self, event: WheelSpeed) -> None:
         """Correct with a wheel speed, unless no vehicle changes its speed like that."""
+        if self.standing and event.speed_mps != 0.0:
+            self._pull_away(event.t_ns)
         self._remember(wheels_ns=event.t_ns)
         if self.standing and event.speed_mps == 0.0:
             return
@@ -197,6 +199,12 @@ class Estimator:
             still_since_ns=still_since_ns if event.speed_mps == 0.0 else None,
         )
         self.filter.correct(measurement)
+
+    def _pull_away(self, t_ns: int) -> None:
+        """Since the last wheel speed it was held still, yet may have driven off."""
+        held_s = (t_ns - (self.memory.wheels_ns or t_ns)) * 1e-9
+        gained_mps = self._tuning.acceleration_noise_mps_per_sqrt_s * math.sqrt(held_s)
+        self.filter.doubt(States.SPEED, gained_mps)
 
     def _stand_still(self, event: Step) -> None:
         """Zero velocity, and the gyro reads its bias."""
