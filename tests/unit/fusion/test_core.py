@@ -11,6 +11,7 @@ from unit.fusion.drives import (
     Sensors,
     Truth,
     circle,
+    error_m,
     messages_of,
     seconds_of,
     town,
@@ -27,14 +28,6 @@ def drive(
     truths = truth_of(motion, duration_s)
     outputs = run_core(FusionCore(Tuning()), messages_of(motion, truths, sensors))
     return truths, only(outputs, Pose), only(outputs, FusionStatus)
-
-
-def error_m(pose: Pose, truths: list[Truth]) -> float:
-    assert pose.lat_deg is not None
-    assert pose.lon_deg is not None
-    truth = truths[round(seconds_of(pose.t_ns) * 100)]
-    east_m, north_m = ORIGIN.to_plane(pose.lat_deg, pose.lon_deg)
-    return math.hypot(east_m - truth.east_m, north_m - truth.north_m)
 
 
 def position_std_m(pose: Pose) -> float:
