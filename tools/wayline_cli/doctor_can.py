@@ -15,7 +15,8 @@ from wayline.errors import InputError
 from wayline.inputs import Frame
 from wayline_can_ingest.mapping import Mapping, compile_mapping
 from wayline_cli.can_findings import Fit, duration_s, share_of, with_quantities
-from wayline_cli.can_proposal import is_matched_by_pgn, messages_by_name, propose, seen_in
+from wayline_cli.can_proposal import messages_by_name, propose
+from wayline_cli.can_seen import is_matched_by_pgn, seen_in
 from wayline_cli.can_table import can_table, profile_table, signals_of
 
 WORTH_PCT = 10.0
