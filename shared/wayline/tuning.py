@@ -8,6 +8,7 @@ from wayline.toml import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
 Probability = Annotated[float, Meta(gt=0.0, lt=1.0)]
+ArchitectureName = Literal["loose", "uncoupled", "gps_only", "gps_only_modified"]
 
 
 class Tuning(Strict, frozen=True, kw_only=True):
@@ -32,8 +33,11 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Altitude errors wander; smaller claims would follow them."""
 
     # fusion, horizontal
-    architecture: Literal["loose"] = "loose"
-    """Position, speed and course of the fixes calibrate the vehicle's sensors (papers/001)."""
+    architecture: ArchitectureName = "loose"
+    """The fixes calibrate the vehicle's sensors (papers/001). For comparison: "uncoupled" reckons
+    from the last fix by sensors as they read, "gps_only" and "gps_only_modified" are papers/003's
+    filters without the vehicle's sensors, the latter with more noise where satellites or PDOP are
+    bad."""
     gate_probability: Probability = 0.9999
     """Good measurements pass a gate this often."""
     relock_after_s: Positive = 180.0

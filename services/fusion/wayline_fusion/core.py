@@ -1,8 +1,8 @@
 """Pure: fixes and vehicle sensors in, pose and fusion_status out."""
 
 import math
-from collections.abc import Sequence
-from typing import ClassVar
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar
 
 import msgspec
 
@@ -22,14 +22,24 @@ from wayline.messages import (
     Verdict,
 )
 from wayline.tuning import Tuning
+from wayline_fusion.architecture import Architecture, Motion, SensorErrors
 from wayline_fusion.displacement import Displacement
-from wayline_fusion.estimator import Estimator, Snapshot
 from wayline_fusion.events import Event, Fix, Step, WheelSpeed
+from wayline_fusion.gps_only import GpsOnly, by_quality, same_for_all
+from wayline_fusion.loose import Loose
 from wayline_fusion.resolution import Resolution
-from wayline_fusion.states import States
 from wayline_fusion.timeline import Timeline
+from wayline_fusion.uncoupled import Uncoupled
 from wayline_fusion.vertical import States as VerticalStates
 from wayline_fusion.vertical import VerticalFilter
+
+ARCHITECTURES: Mapping[str, Callable[[Tuning], Architecture]] = {
+    "loose": Loose,
+    "uncoupled": Uncoupled,
+    "gps_only": lambda tuning: GpsOnly(tuning, same_for_all),
+    "gps_only_modified": lambda tuning: GpsOnly(tuning, by_quality),
+}
+"""What `[tuning] architecture` may name."""
 
 SECOND_NS = 1_000_000_000
 OUTAGE_NS = 2_000_000_000
@@ -49,8 +59,8 @@ class FusionCore:
 
     def __init__(self, tuning: Tuning) -> None:
         self._tuning = tuning
-        self._estimator = Estimator(tuning)
-        self._timeline: Timeline[Event, Snapshot] = Timeline(
+        self._estimator = ARCHITECTURES[tuning.architecture](tuning)
+        self._timeline: Timeline[Event, Any] = Timeline(
             self._estimator.apply,
             self._estimator.snapshot,
             self._estimator.restore,
@@ -92,8 +102,9 @@ class FusionCore:
             self._can_ns = gyro.t_ns
             self._rate_steps.learn(gyro.yaw_rate_degps)
             rounding_degps = min(self._rate_steps.std, GYRO_ROUNDING_MAX_DEGPS)
-            self._estimator.gyro_rounding_radps = math.radians(rounding_degps)
-            self._estimator.gyro.add(gyro.t_ns, math.radians(gyro.yaw_rate_degps))
+            self._estimator.take_gyro(
+                gyro.t_ns, math.radians(gyro.yaw_rate_degps), math.radians(rounding_degps)
+            )
 
     def _odometer(self, odometer: Odometer) -> None:
         if odometer.reverse is not None:
@@ -139,6 +150,8 @@ class FusionCore:
             speed_std_mps or speed_std_mps_of(fix, self._tuning),
             None if course_deg is None else math.radians(course_deg),
             None if course_std_deg is None else math.radians(course_std_deg),
+            is_good=is_good(fix, self._tuning),
+            speed_derived=fix.speed_derived or fix.speed_mps is None,
         )
 
     def _barometer(self, barometer: Barometer) -> None:
@@ -174,100 +187,84 @@ class FusionCore:
         self._verdicts += verdicts
 
     def _has_can(self, t_ns: int) -> bool:
-        return self._can_ns is not None and t_ns - self._can_ns <= SECOND_NS
+        heard = self._can_ns is not None and t_ns - self._can_ns <= SECOND_NS
+        return heard and self._estimator.uses_vehicle
 
     def _climb(self) -> None:
         """Bring the vertical filter forward to where the vehicle is now."""
-        memory = self._estimator.memory
+        now = self._estimator.progress
         t_ns, distance_m = self._climbed_at
-        self._climbed_at = (memory.t_ns, memory.distance_m)
-        if t_ns and memory.t_ns > t_ns:
-            backwards = self._estimator.filter.x[States.SPEED] < 0.0
-            driven_m = max(memory.distance_m - distance_m, 0.0)
+        self._climbed_at = (now.t_ns, now.distance_m)
+        if t_ns and now.t_ns > t_ns:
+            driven_m = max(now.distance_m - distance_m, 0.0)
             self._vertical.advance(
-                -driven_m if backwards else driven_m, (memory.t_ns - t_ns) * 1e-9
+                -driven_m if now.backwards else driven_m, (now.t_ns - t_ns) * 1e-9
             )
 
-    def _mode(self) -> PoseMode:
-        memory = self._estimator.memory
-        if not self._estimator.located or memory.accepted_fix_ns is None:
+    def _mode(self, motion: Motion) -> PoseMode:
+        if not _is_located(motion) or motion.accepted_fix_ns is None:
             return "starting"
-        east_std_m, north_std_m = self._position_stds()
-        if max(east_std_m, north_std_m) > LOST_STD_M:
+        if max(motion.east_std_m, motion.north_std_m) > LOST_STD_M:
             return "lost"
-        if memory.t_ns - memory.accepted_fix_ns > OUTAGE_NS:
+        if motion.t_ns - motion.accepted_fix_ns > OUTAGE_NS:
             return "dead_reckoning"
-        return "fused" if self._has_can(memory.t_ns) else "gps"
-
-    def _position_stds(self) -> tuple[float, float]:
-        kalman = self._estimator.filter
-        return kalman.std(States.EAST), kalman.std(States.NORTH)
+        return "fused" if self._has_can(motion.t_ns) else "gps"
 
     def _pose(self) -> Pose:
-        estimator, kalman, vertical = self._estimator, self._estimator.filter, self._vertical
-        memory = estimator.memory
-        self._distance_m = max(self._distance_m, memory.distance_m)
-        place = estimator.geodetic()
-        moving = place is not None or estimator.wheels_fresh
-        heading = memory.heading_known
-        east_std_m, north_std_m = self._position_stds()
-        rate_radps = estimator.gyro.rate_radps(memory.t_ns)
-        x = kalman.x
+        motion, vertical = self._estimator.motion(), self._vertical
+        self._distance_m = max(self._distance_m, self._estimator.progress.distance_m)
+        place, is_directed = motion.place_deg, motion.heading_deg is not None
         return Pose(
             t_ns=self._pose_ns,
-            mode=self._mode(),
+            mode=self._mode(motion),
             lat_deg=place[0] if place else None,
             lon_deg=place[1] if place else None,
             alt_m=vertical.altitude_m if vertical.known else None,
-            heading_deg=estimator.heading_deg() if heading else None,
-            speed_mps=float(x[States.SPEED]) if moving else None,
-            yaw_rate_degps=None
-            if rate_radps is None
-            else math.degrees(
-                float(x[States.GYRO_SCALE]) * (rate_radps - float(x[States.GYRO_BIAS]))
-            ),
+            heading_deg=motion.heading_deg,
+            speed_mps=motion.speed_mps,
+            yaw_rate_degps=motion.yaw_rate_degps,
             grade_pct=vertical.grade_pct if vertical.known else None,
             distance_m=self._distance_m,
-            east_std_m=east_std_m if place else None,
-            north_std_m=north_std_m if place else None,
-            east_north_cov_m2=float(kalman.P[States.EAST, States.NORTH]) if place else None,
-            heading_std_deg=math.degrees(kalman.std(States.HEADING)) if heading else None,
-            speed_std_mps=kalman.std(States.SPEED) if moving else None,
+            east_std_m=motion.east_std_m if place else None,
+            north_std_m=motion.north_std_m if place else None,
+            east_north_cov_m2=motion.east_north_cov_m2 if place else None,
+            heading_std_deg=motion.heading_std_deg if is_directed else None,
+            speed_std_mps=None if motion.speed_mps is None else motion.speed_std_mps,
             alt_std_m=vertical.std(VerticalStates.ALTITUDE) if vertical.known else None,
             grade_std_pct=100.0 * vertical.std(VerticalStates.SLOPE) if vertical.known else None,
         )
 
     def _status(self, t_ns: int) -> FusionStatus:
-        kalman, verdicts = self._estimator.filter, tuple(self._verdicts)
-        self._verdicts = []
-        accepted_ns = self._estimator.memory.accepted_fix_ns
-        barometer = self._vertical.std(VerticalStates.BARO_BIAS)
+        errors, motion = self._estimator.sensor_errors(), self._estimator.motion()
+        verdicts, self._verdicts = tuple(self._verdicts), []
+        accepted_ns = motion.accepted_fix_ns
         return FusionStatus(
             t_ns=t_ns,
-            gyro_bias_degps=math.degrees(float(kalman.x[States.GYRO_BIAS])),
-            gyro_bias_std_degps=math.degrees(kalman.std(States.GYRO_BIAS)),
-            gyro_scale=float(kalman.x[States.GYRO_SCALE]),
-            gyro_scale_std=kalman.std(States.GYRO_SCALE),
-            odometer_scale=float(kalman.x[States.ODOMETER_SCALE]),
-            odometer_scale_std=kalman.std(States.ODOMETER_SCALE),
-            gps_latency_s=float(kalman.x[States.LATENCY]),
-            gps_latency_std_s=kalman.std(States.LATENCY),
+            **msgspec.structs.asdict(errors),
             baro_bias_m=self._vertical.baro_bias_m,
-            baro_bias_std_m=barometer,
-            calibration=self._calibration(),
+            baro_bias_std_m=self._vertical.std(VerticalStates.BARO_BIAS),
+            calibration=self._calibration(errors, motion),
             outage_s=0.0 if accepted_ns is None else max(t_ns - accepted_ns, 0) * 1e-9,
             late=self._late,
             rejected=self._rejected,
             verdicts=verdicts,
         )
 
-    def _calibration(self) -> Calibration:
-        kalman, tuning = self._estimator.filter, self._tuning
-        bias_known = kalman.std(States.GYRO_BIAS) <= math.radians(tuning.calibrated_bias_std_degps)
-        scale_known = kalman.std(States.ODOMETER_SCALE) <= tuning.calibrated_scale_std
-        if bias_known and scale_known:
+    def _calibration(self, errors: SensorErrors, motion: Motion) -> Calibration:
+        bias_std_degps, scale_std = errors.gyro_bias_std_degps, errors.odometer_scale_std
+        if (
+            bias_std_degps is not None
+            and scale_std is not None
+            and bias_std_degps <= self._tuning.calibrated_bias_std_degps
+            and scale_std <= self._tuning.calibrated_scale_std
+        ):
             return "calibrated"
-        return "started" if self._estimator.located else "none"
+        return "started" if _is_located(motion) else "none"
+
+
+def _is_located(motion: Motion) -> bool:
+    """Whether position and heading are known."""
+    return motion.place_deg is not None and motion.heading_deg is not None
 
 
 def speed_std_mps_of(fix: GpsFix, tuning: Tuning) -> float:

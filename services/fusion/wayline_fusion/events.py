@@ -29,6 +29,17 @@ class Fix(msgspec.Struct, frozen=True, gc=False):
     course_rad: float | None
     course_std_rad: float | None
     """None: from the speed's std."""
+    is_good: bool = True
+    """By satellites and PDOP (papers/003)."""
+    speed_derived: bool = False
+    """From positions, not by Doppler."""
 
 
-Event = Step | WheelSpeed | Fix
+class GyroRestarted(msgspec.Struct, frozen=True, gc=False):
+    """The gyro, whose calibration was kept, is now so much warmer (or colder) than it was then."""
+
+    t_ns: int
+    warmer_c: float
+
+
+Event = Step | WheelSpeed | Fix | GyroRestarted
