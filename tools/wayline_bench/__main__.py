@@ -8,11 +8,14 @@ from pathlib import Path
 import msgspec
 from rich.console import Console
 
-from wayline_bench import ingest
+from wayline_bench import fusion, ingest
 from wayline_bench.rounds import Say
 from wayline_bench.row import Row, table
 
-BENCHES: dict[str, Callable[[Say], list[Row]]] = {"ingest": ingest.bench}
+BENCHES: dict[str, Callable[[Say], list[Row]]] = {
+    "fusion": fusion.bench,
+    "ingest": ingest.bench,
+}
 
 
 def main() -> None:

@@ -14,13 +14,14 @@ def in_turns(works: Mapping[str, Work], rounds: int, say: Say) -> dict[str, list
         say(f"round {number} of {rounds}")
         # every other round backwards: nobody always follows the same neighbour
         for name in list(works)[:: 1 if number % 2 else -1]:
-            spent_s = _cpu_s(works[name])
+            spent_s = cpu_s(works[name])
             if number:
                 seconds[name].append(spent_s)
     return seconds
 
 
-def _cpu_s(work: Work) -> float:
+def cpu_s(work: Work) -> float:
+    """CPU seconds of a piece of work."""
     # of this thread alone: what else the machine does is not counted
     started_s = time.thread_time()
     work()

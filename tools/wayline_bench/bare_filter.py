@@ -1,0 +1,41 @@
+"""What fusion's core is measured against: filterpy's own filter, which nothing happens around."""
+
+import numpy as np
+from filterpy.kalman import ExtendedKalmanFilter
+
+from wayline_fusion.states import States
+
+SIZE = len(States)
+
+
+class BareFilter:
+    """As many states as fusion's filter, constant matrices, a measurement of one number."""
+
+    def __init__(self) -> None:
+        self._filter = kalman = ExtendedKalmanFilter(dim_x=SIZE, dim_z=1)
+        kalman.x = np.zeros(SIZE)
+        kalman.F = np.eye(SIZE)
+        kalman.F[States.EAST, States.SPEED] = 0.1
+        kalman.Q = 1e-3 * np.eye(SIZE)
+        self._H = np.zeros((1, SIZE))
+        self._H[0, States.SPEED] = 1.0
+        self._z = np.array([0.5])
+
+    def steps(self, count: int, updates: int) -> None:
+        """So many predictions, each followed by so many updates."""
+        for _ in range(count):
+            self._filter.predict()
+            for _ in range(updates):
+                self._filter.update(self._z, self._jacobian, self._expected)
+
+    @property
+    def measured(self) -> float:
+        """The state that the measurements are of."""
+        return float(self._filter.x[States.SPEED])
+
+    def _jacobian(self, _: object) -> np.ndarray:
+        return self._H
+
+    def _expected(self, x: np.ndarray) -> np.ndarray:
+        expected: np.ndarray = self._H @ x
+        return expected
