@@ -37,7 +37,7 @@ def test_fixes_come_late() -> None:
 
 
 def test_fusion_follows_the_drive() -> None:
-    """A pose a step, placed and turned; a core that rejects everything would be measured in vain."""
+    """A pose a step, and placed; a core that rejects everything would be measured in vain."""
     core = FusionCore(Tuning())
     inputs = list(islice(with_ticks(drive(START_NS, BETWEEN_NS)), 6_000))
     outputs: list[Message] = [out for each in inputs for out in core.handle(each, "bench")]
