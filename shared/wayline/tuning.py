@@ -90,8 +90,8 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Without a gyro, headings change by this much in a second."""
     gyro_bias_initial_std_degps: Positive = 1.0
     """A MEMS gyro from the box."""
-    gyro_bias_walk_degps_per_sqrt_s: Positive = 0.001
-    """0.02 deg/s in six minutes; what this gyro does is learned."""
+    gyro_bias_walk_degps_per_sqrt_s: Positive = 0.0015
+    """0.02 deg/s in three minutes; what this very gyro does is learned."""
     gyro_scale_initial_std: Positive = 0.02
     """Data sheets say 1 to 3 %."""
     gyro_scale_walk_per_sqrt_s: Positive = 1e-5
@@ -112,6 +112,14 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Bias known this well costs 10 m after 1 km at 20 m/s."""
     calibrated_scale_std: Positive = 0.005
     """Scale known this well costs 5 m after 1 km."""
+    gyro_bias_switch_on_std_degps: Positive = 0.02
+    """Switched off and on, a gyro has another bias, besides what warmth and time do to it..."""
+    gyro_bias_drift_degps_per_c: Positive = 0.01
+    """...and this is what warmth does."""
+    parked_position_std_m: Positive = 30.0
+    """A parked vehicle may have been moved, or driven off while its computer started."""
+    parked_heading_std_deg: Positive = 3.0
+    """The same for its heading."""
 
     # fusion, vertical
     vertical_sensors: tuple[Literal["gps", "barometer"], ...] = ("gps", "barometer")

@@ -11,13 +11,15 @@ from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
 from wayline_fusion import measurements
-from wayline_fusion.events import Event, Fix, Step, WheelSpeed
+from wayline_fusion.bias_wander import Walk
+from wayline_fusion.events import Event, Fix, GyroRestarted, Step, WheelSpeed
 from wayline_fusion.gate import judge, nis_of, threshold
 from wayline_fusion.gyro_track import GyroTrack
 from wayline_fusion.horizontal import DrivingNoise, HorizontalFilter
 from wayline_fusion.lockout import patience_s, rejected
 from wayline_fusion.measurements import Measurement
 from wayline_fusion.memory import Memory
+from wayline_fusion.moved import contradiction, tells_course
 from wayline_fusion.states import Floats, States
 
 LONGEST_STEP_S = 0.5
@@ -36,6 +38,9 @@ POSITION_FACTOR_MIN = 1.0
 """Reflections in ordinary streets move fixes by metres at once, then not at all for a while."""
 VELOCITY_FACTOR_MIN = 0.3
 SCALE_UNKNOWN = 0.2
+BIAS_DOUBT_FACTOR = 3.0
+"""A course that had to be set says that the bias is known less well than it seemed; once more, and
+again so."""
 RELOCK_DOUBT_SHARE = 0.5
 """Positions that have won against dead reckoning may still be the reflections."""
 SOUND_EVERY_NS = 1_000_000_000
@@ -109,6 +114,10 @@ class Estimator:
             self._fix(event)
         elif isinstance(event, WheelSpeed):
             self._wheel_speed(event)
+        elif isinstance(event, GyroRestarted):
+            drift = math.radians(self._tuning.gyro_bias_drift_degps_per_c)
+            bias_std = math.hypot(self.filter.std(States.GYRO_BIAS), drift * event.warmer_c)
+            self.filter.doubt(States.GYRO_BIAS, bias_std)
         elif self.standing:
             self._stand_still(event)
         if isinstance(event, Step):
@@ -226,24 +235,31 @@ class Estimator:
         is_accepted = self._gated(measurement, event.t_ns, is_silent=True)
         self._remember(still_rate_rejected_since_ns=_since(is_accepted, since_ns, event.t_ns))
 
+    def _question_kept(self, fix: Fix) -> None:
+        """After a restart: what was kept of the pose is forgotten where the first fixes differ."""
+        verdict = contradiction(self.filter, self.memory, fix, self._tuning)
+        if verdict is not None:
+            self._verdicts.append(verdict)
+            self._start_over(fix.t_ns)
+            return
+        is_unconfirmed = self.memory.heading_unconfirmed and not tells_course(fix, self._tuning)
+        self._remember(position_unconfirmed=False, heading_unconfirmed=is_unconfirmed)
+
     def _fix(self, fix: Fix) -> None:
+        """Speed and course first: walls that displace a position by metres leave Doppler alone."""
+        if self.memory.position_unconfirmed or self.memory.heading_unconfirmed:
+            self._question_kept(fix)
+        if fix.speed_mps is not None:
+            if not self.wheels_fresh and self.filter.x[States.SPEED] < 0.0:
+                self.filter.go_forward()
+            self._gps_speed(fix, fix.speed_mps)
+            self._course(fix, fix.speed_mps)
         plane = self.memory.plane
         if plane is None:
             self._remember(plane=LocalPlane(fix.lat_deg, fix.lon_deg))
             self._place(fix, 0.0, 0.0)
         else:
             self._position(fix, *plane.to_plane(fix.lat_deg, fix.lon_deg))
-        if fix.speed_mps is not None:
-            if not self.wheels_fresh and self.filter.x[States.SPEED] < 0.0:
-                self.filter.go_forward()
-            self._gps_speed(fix, fix.speed_mps)
-            self._course(fix, fix.speed_mps)
-        kalman = self.filter
-        walk = math.radians(self._tuning.gyro_bias_walk_degps_per_sqrt_s)
-        bias_std = kalman.std(States.GYRO_BIAS)
-        if bias_std <= math.radians(self._tuning.calibrated_bias_std_degps):
-            bias = float(kalman.x[States.GYRO_BIAS])
-            self._remember(wander=self.memory.wander.noticed(fix.t_ns, bias, bias_std, walk))
 
     def _place(self, fix: Fix, east_m: float, north_m: float, doubt_m: float = 0.0) -> None:
         self.filter.place(east_m, north_m, fix.position_std_m, doubt_m)
@@ -318,7 +334,7 @@ class Estimator:
             self.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
         is_accepted = self._gated(measurement, fix.t_ns)
         noise = memory.velocity_noise
-        if is_accepted and self.wheels_fresh and speed_mps >= tuning.course_speed_min_mps:
+        if self.wheels_fresh and speed_mps >= tuning.course_speed_min_mps:
             square = float(measurement.y[0]) ** 2
             noise = noise.learned(
                 square, float(expected[0, 0]), fix.speed_std_mps**2, VELOCITY_FACTOR_MIN
@@ -337,20 +353,56 @@ class Estimator:
             0.0 if rate_radps is None else rate_radps - float(self.filter.x[States.GYRO_BIAS])
         )
         std_rad = self._course_std_rad(fix, speed_mps, rate_radps)
+        backwards_rad = math.pi if self.filter.x[States.SPEED] < 0.0 else 0.0
         since_ns = self.memory.course_rejected_since_ns
         is_locked = _has_lasted(since_ns, fix.t_ns, tuning.course_relock_after_s)
         if not self.memory.heading_known or is_locked:
             start_rad = max(std_rad, math.radians(tuning.heading_start_std_deg))
-            backwards_rad = math.pi if self.filter.x[States.SPEED] < 0.0 else 0.0
             self.filter.turn_to(fix.course_rad + backwards_rad, start_rad)
             self._remember(heading_known=True, course_rejected_since_ns=None)
             if is_locked:
-                bias_std_degps = tuning.gyro_bias_initial_std_degps
-                self.filter.doubt(States.GYRO_BIAS, math.radians(bias_std_degps))
+                bias_std = BIAS_DOUBT_FACTOR * self.filter.std(States.GYRO_BIAS)
+                most = math.radians(tuning.gyro_bias_initial_std_degps)
+                self.filter.doubt(States.GYRO_BIAS, min(bias_std, most))
             return
         measurement = measurements.course(self.filter.x, fix.course_rad, std_rad, rate_radps)
+        self._learn_doppler(fix, speed_mps, measurement)
         is_accepted = self._gated(measurement, fix.t_ns)
         self._remember(course_rejected_since_ns=_since(is_accepted, since_ns, fix.t_ns))
+        if is_accepted:
+            self._learn_wander(fix.t_ns, fix.course_rad + backwards_rad, std_rad)
+
+    def _learn_wander(self, t_ns: int, course_rad: float, std_rad: float) -> None:
+        """Of the gyro's bias, from the heading that a fix tells."""
+        memory, tuning, kalman = self.memory, self._tuning, self.filter
+        turn_rad = self.gyro.angle_rad(t_ns)
+        if turn_rad is None:
+            self._remember(wander=memory.wander.forgotten())
+            return
+        walk = Walk(
+            math.radians(tuning.gyro_bias_walk_degps_per_sqrt_s),
+            self._driving_noise().turn_rad_per_sqrt_s,
+            float(kalman.x[States.GYRO_BIAS]),
+            float(kalman.x[States.GYRO_SCALE]),
+            kalman.std(States.GYRO_SCALE),
+        )
+        self._remember(wander=memory.wander.noticed(t_ns, course_rad, std_rad, turn_rad, walk))
+
+    def _learn_doppler(self, fix: Fix, speed_mps: float, measurement: Measurement) -> None:
+        """Across the direction of travel Doppler is as noisy as along it."""
+        if fix.course_std_rad is not None or not self.gyro.covers(fix.t_ns):
+            return
+        claimed = (fix.speed_std_mps / speed_mps) ** 2
+        noise = self.memory.velocity_noise
+        other = float(measurement.R[0, 0]) - noise.factor * claimed
+        self._remember(
+            velocity_noise=noise.learned(
+                float(measurement.y[0]) ** 2,
+                float(self.filter.expected(measurement)[0, 0]) + other,
+                claimed,
+                VELOCITY_FACTOR_MIN,
+            )
+        )
 
     def _course_std_rad(self, fix: Fix, speed_mps: float, rate_radps: float) -> float:
         """Doppler across the direction of travel, mounting, and what turning adds."""

@@ -39,6 +39,10 @@ class GyroTrack:
             return None
         return self._angle_at(to_ns) - self._angle_at(from_ns)
 
+    def angle_rad(self, t_ns: int) -> float | None:
+        """Measured turn since the gyro began; None where it was silent."""
+        return self._angle_at(t_ns) if self.covers(t_ns) else None
+
     def covers(self, t_ns: int) -> bool:
         """Whether a sample no older than the longest hold tells the rate at an instant."""
         if not self._times_ns or t_ns > self._times_ns[-1] + LONGEST_HOLD_NS:

@@ -5,9 +5,10 @@ import msgspec
 PRIOR_WEIGHT = 10.0
 """The claim counts as this many measurements..."""
 WEIGHT_MAX = 60.0
-"""...and what was seen is forgotten over so many: a minute of a 1 Hz receiver."""
+"""...and what was seen is forgotten over so many: half a minute to a minute of a 1 Hz receiver."""
 SQUARE_MAX = 9.0
-"""One measurement counts as three sigma at most: outliers are the gate's business."""
+"""One measurement counts as three sigma at most, rejected ones too: a receiver that is noisier than
+the gate allows for would else never be found out."""
 FACTOR_MAX = 25.0
 """Of the variance."""
 
@@ -27,10 +28,13 @@ class NoiseScale(msgspec.Struct, frozen=True):
     ) -> "NoiseScale":
         """With one more squared innovation and the two parts of its expected variance.
 
-        The factor does not fall below `least`.
+        The less of the expected variance is the sensor's, the less does it say of the sensor. The
+        factor does not fall below `least`.
         """
-        bounded = min(square, SQUARE_MAX * (predicted + self.factor * claimed))
+        expected = self.factor * claimed
+        bounded = min(square, SQUARE_MAX * (predicted + expected))
         sample = (bounded - predicted) / claimed
-        weight = min(self.weight + 1.0, WEIGHT_MAX)
-        factor = self.factor + (sample - self.factor) / weight
+        share = expected / (expected + predicted)
+        weight = min(self.weight + share, WEIGHT_MAX)
+        factor = self.factor + (sample - self.factor) * share / weight
         return NoiseScale(min(max(factor, least), FACTOR_MAX), weight)
