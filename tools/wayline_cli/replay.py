@@ -13,6 +13,7 @@ from wayline.node import Node
 from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
 from wayline.route import Route, load_route
+from wayline.tuning import ArchitectureName
 from wayline_cli.stream import DriveStream, Outage, with_outages
 from wayline_dashboard.core import DashboardCore
 from wayline_eta.core import make_eta_core
@@ -49,15 +50,19 @@ def replay(
     outages: Sequence[Outage] = (),
     database_url: str | None = None,
     route_path: Path | None = None,
+    architecture: ArchitectureName | None = None,
     progressed: Progressed = lambda _: None,
 ) -> Summary:
     """Replay the drive in `folder`; writes `out/<topic>.jsonl`. Raises InputError.
 
     Nothing of the result depends on the speed of the machine or the time of day. What is learned
-    stays only in the database given.
+    stays only in the database given. `architecture` goes before the drive's own.
     """
     started = time.perf_counter()
     drive = load_drive(folder)
+    if architecture is not None:
+        tuning = msgspec.structs.replace(drive.tuning, architecture=architecture)
+        drive = msgspec.structs.replace(drive, tuning=tuning)
     if route_path is None and drive.route is not None:
         route_path = Path(drive.route.path)
     route = load_route(route_path) if route_path else None

@@ -23,10 +23,12 @@ from wayline.messages import (
 )
 from wayline.tuning import Tuning
 from wayline_fusion.architecture import Architecture, Motion, SensorErrors
+from wayline_fusion.clock_steps import ClockSteps
 from wayline_fusion.displacement import Displacement
-from wayline_fusion.events import Event, Fix, Step, WheelSpeed
+from wayline_fusion.events import ClockStep, Event, Fix, Step, WheelSpeed
 from wayline_fusion.gps_only import GpsOnly, by_quality, same_for_all
 from wayline_fusion.loose import Loose
+from wayline_fusion.plausibility import SENSORS, Plausibility, refused
 from wayline_fusion.resolution import Resolution
 from wayline_fusion.timeline import Timeline
 from wayline_fusion.uncoupled import Uncoupled
@@ -66,6 +68,9 @@ class FusionCore:
             self._estimator.restore,
             round(tuning.late_measurement_s * 1e9),
         )
+        self._plausibility = Plausibility()
+        self._clock_steps = ClockSteps()
+        self._refused_ns: dict[str, int] = {}
         self._vertical = VerticalFilter(tuning)
         self._displacement = Displacement()
         self._wheel_steps = Resolution(1e-4)
@@ -84,7 +89,8 @@ class FusionCore:
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message]:
         """Take a fix, a sensor's message or a Tick; return the poses and status due."""
-        del source
+        if isinstance(message, Message) and self._is_refused(message, source):
+            return ()
         if isinstance(message, Gyro):
             self._gyro(message)
         elif isinstance(message, Tick):
@@ -96,6 +102,21 @@ class FusionCore:
         elif isinstance(message, Barometer):
             self._barometer(message)
         return ()
+
+    def _is_refused(self, message: Message, source: str) -> bool:
+        """Notice a step of the clock, and a reading that cannot be: counted, one a second told."""
+        step_s = self._clock_steps.step_s(message)
+        if step_s is not None:
+            self._add(ClockStep(self._clock_steps.newest_ns, step_s))
+        reason = self._plausibility.refusal(message, source)
+        if reason is None:
+            return False
+        self._rejected += 1
+        sensor, t_ns = SENSORS[type(message)], self._clock_steps.newest_ns
+        if t_ns - self._refused_ns.get(sensor, 0) >= SECOND_NS:
+            self._refused_ns[sensor] = t_ns
+            self._verdicts.append(refused(sensor, t_ns, reason))
+        return True
 
     def _gyro(self, gyro: Gyro) -> None:
         if gyro.yaw_rate_degps is not None:

@@ -12,7 +12,7 @@ from wayline.messages import Verdict
 from wayline.tuning import Tuning
 from wayline_fusion import measurements
 from wayline_fusion.bias_wander import Walk
-from wayline_fusion.events import Event, Fix, GyroRestarted, Step, WheelSpeed
+from wayline_fusion.events import ClockStep, Event, Fix, GyroRestarted, Step, WheelSpeed
 from wayline_fusion.gate import judge, nis_of, threshold
 from wayline_fusion.gyro_track import GyroTrack
 from wayline_fusion.horizontal import DrivingNoise, HorizontalFilter
@@ -118,6 +118,8 @@ class Estimator:
             drift = math.radians(self._tuning.gyro_bias_drift_degps_per_c)
             bias_std = math.hypot(self.filter.std(States.GYRO_BIAS), drift * event.warmer_c)
             self.filter.doubt(States.GYRO_BIAS, bias_std)
+        elif isinstance(event, ClockStep):
+            self.filter.stray(float(self.filter.x[States.SPEED]) * event.step_s)
         elif self.standing:
             self._stand_still(event)
         if isinstance(event, Step):
@@ -194,6 +196,7 @@ class Estimator:
         measurement = measurements.odometer(self.filter.x, event.speed_mps, event.std_mps)
         since_ns = self.memory.wheels_rejected_since_ns
         if _has_lasted(since_ns, event.t_ns, self._tuning.wheels_relock_after_s):
+            self._strayed(float(measurement.y[0]), since_ns, event.t_ns)
             self.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
             self._remember(still_since_ns=None)
         nis = nis_of(measurement, self.filter.expected(measurement))
@@ -260,6 +263,10 @@ class Estimator:
             self._place(fix, 0.0, 0.0)
         else:
             self._position(fix, *plane.to_plane(fix.lat_deg, fix.lon_deg))
+
+    def _strayed(self, off_mps: float, since_ns: int | None, t_ns: int) -> None:
+        """A sensor that is believed again says how fast dead reckoning has gone wrong meanwhile."""
+        self.filter.stray(off_mps * (t_ns - (since_ns or t_ns)) * 1e-9)
 
     def _place(self, fix: Fix, east_m: float, north_m: float, doubt_m: float = 0.0) -> None:
         self.filter.place(east_m, north_m, fix.position_std_m, doubt_m)
@@ -329,6 +336,7 @@ class Estimator:
         expected = self.filter.expected(measurement)
         since_ns = memory.speed_rejected_since_ns
         if _has_lasted(since_ns, fix.t_ns, tuning.speed_relock_after_s):
+            self._strayed(float(measurement.y[0]), since_ns, fix.t_ns)
             # other tyres, or a speed in another unit
             self.filter.doubt(States.ODOMETER_SCALE, SCALE_UNKNOWN)
             self.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
@@ -358,9 +366,11 @@ class Estimator:
         is_locked = _has_lasted(since_ns, fix.t_ns, tuning.course_relock_after_s)
         if not self.memory.heading_known or is_locked:
             start_rad = max(std_rad, math.radians(tuning.heading_start_std_deg))
+            off_rad = fix.course_rad + backwards_rad - float(self.filter.x[States.HEADING])
             self.filter.turn_to(fix.course_rad + backwards_rad, start_rad)
             self._remember(heading_known=True, course_rejected_since_ns=None)
             if is_locked:
+                self._strayed(2.0 * speed_mps * math.sin(0.5 * off_rad), since_ns, fix.t_ns)
                 bias_std = BIAS_DOUBT_FACTOR * self.filter.std(States.GYRO_BIAS)
                 most = math.radians(tuning.gyro_bias_initial_std_degps)
                 self.filter.doubt(States.GYRO_BIAS, min(bias_std, most))

@@ -42,4 +42,11 @@ class GyroRestarted(msgspec.Struct, frozen=True, gc=False):
     warmer_c: float
 
 
-Event = Step | WheelSpeed | Fix | GyroRestarted
+class ClockStep(msgspec.Struct, frozen=True, gc=False):
+    """All sensors' time has jumped: the vehicle drove for so much less or more than it says."""
+
+    t_ns: int
+    step_s: float
+
+
+Event = Step | WheelSpeed | Fix | GyroRestarted | ClockStep

@@ -177,6 +177,12 @@ class HorizontalFilter(ExtendedKalmanFilter):  # type: ignore[misc]
         self.P[state, :] = self.P[:, state] = 0.0
         self.P[state, state] = std**2
 
+    def stray(self, std_m: float) -> None:
+        """Trust the position less: dead reckoning has gone astray by about so much."""
+        self.P = self.P.copy()
+        self.P[S.EAST, S.EAST] += std_m**2
+        self.P[S.NORTH, S.NORTH] += std_m**2
+
     def std(self, state: States) -> float:
         """One sigma of a state."""
         return math.sqrt(max(self.P[state, state], 0.0))

@@ -1,0 +1,40 @@
+"""Pure: steps of the clock that all sensors share.
+
+A clock that is set leaves a gap in every sensor's times at once, or takes all of them back. Where
+the vehicle is then is as uncertain as the way that it drives in such a time.
+"""
+
+import msgspec
+
+from wayline.grid import LONGEST_GAP_NS
+from wayline.messages import Gyro, Message, Odometer
+
+SHORTEST_NS = 1_000_000_000
+"""As late as a measurement may be: less is disorder, not a step."""
+
+
+class ClockSteps:
+    """Watches the times of one vehicle's messages."""
+
+    def __init__(self) -> None:
+        self.newest_ns = 0
+        self._vehicle_ns: int | None = None
+        """Of the vehicle's own sensors, which come in order and often."""
+
+    def step_s(self, message: msgspec.Struct) -> float | None:
+        """How far the clock has stepped just before a message; None where it has not."""
+        if not isinstance(message, Message):
+            return None
+        newest_ns, vehicle_ns = self.newest_ns, self._vehicle_ns
+        self.newest_ns = max(newest_ns, message.t_ns)
+        if isinstance(message, Gyro | Odometer):
+            self._vehicle_ns = message.t_ns
+        if vehicle_ns is None:
+            return None
+        ahead_ns = message.t_ns - newest_ns
+        if SHORTEST_NS < ahead_ns <= LONGEST_GAP_NS and newest_ns - vehicle_ns <= SHORTEST_NS:
+            return ahead_ns * 1e-9
+        back_ns = vehicle_ns - message.t_ns
+        if isinstance(message, Gyro | Odometer) and back_ns > SHORTEST_NS:
+            return -back_ns * 1e-9
+        return None

@@ -1,0 +1,85 @@
+"""Pure: readings that no vehicle can cause, refused before a filter sees them."""
+
+import math
+
+import msgspec
+
+from wayline.messages import GpsFix, Gyro, Odometer, Verdict
+from wayline_fusion.frozen_receiver import FrozenReceiver
+
+FASTEST_MPS = 150.0
+"""Faster than any road vehicle, slower than a reading in wrong units or with torn bits."""
+HARDEST_TURN_MPS2 = 15.0
+"""Tyres hold 10 m/s2; a gyro's spike at speed claims more."""
+FASTEST_TURN_DEGPS = 360.0
+"""At any speed."""
+SPEED_HELD_NS = 1_000_000_000
+"""A speed is held this long (SPEC section 2)."""
+
+SENSORS: dict[type[msgspec.Struct], str] = {
+    GpsFix: "gps_position",
+    Gyro: "gyro",
+    Odometer: "odometer",
+}
+"""Under which name a refusal is told."""
+
+
+def refused(sensor: str, t_ns: int, reason: str) -> Verdict:
+    """Verdict on a reading that was not even compared with the filter's."""
+    return Verdict(sensor=sensor, t_ns=t_ns, accepted=False, nis=0.0, threshold=0.0, reason=reason)
+
+
+class Plausibility:
+    """Holds each reading of one vehicle against what its wheels say."""
+
+    def __init__(self) -> None:
+        self._wheels: Odometer | None = None
+        self._receivers: dict[str, FrozenReceiver] = {}
+        self._driven_m = 0.0
+
+    def refusal(self, message: msgspec.Struct, source: str) -> str | None:
+        """Why a message is not to be used; None for a plausible one."""
+        if isinstance(message, Gyro):
+            return self._of_gyro(message)
+        if isinstance(message, Odometer):
+            return self._of_wheels(message)
+        if isinstance(message, GpsFix) and message.valid:
+            return self._of_fix(message, source)
+        return None
+
+    def _of_gyro(self, gyro: Gyro) -> str | None:
+        rate_degps = gyro.yaw_rate_degps
+        if rate_degps is None:
+            return None
+        if abs(rate_degps) > FASTEST_TURN_DEGPS:
+            return "no vehicle turns so fast"
+        sideways_mps2 = math.radians(abs(rate_degps)) * self._speed_mps(gyro.t_ns)
+        return (
+            "no vehicle turns so fast at its speed" if sideways_mps2 > HARDEST_TURN_MPS2 else None
+        )
+
+    def _of_wheels(self, wheels: Odometer) -> str | None:
+        if wheels.speed_mps is None:
+            return None
+        if wheels.speed_mps > FASTEST_MPS:
+            return "no vehicle is so fast"
+        before = self._wheels
+        if before is not None and 0 < wheels.t_ns - before.t_ns <= SPEED_HELD_NS:
+            self._driven_m += wheels.speed_mps * (wheels.t_ns - before.t_ns) * 1e-9
+        self._wheels = wheels
+        return None
+
+    def _of_fix(self, fix: GpsFix, source: str) -> str | None:
+        if (fix.speed_mps or 0.0) > FASTEST_MPS:
+            return "no vehicle is so fast"
+        receiver = self._receivers.setdefault(source, FrozenReceiver())
+        has_wheels = self._wheels is not None and fix.t_ns - self._wheels.t_ns <= SPEED_HELD_NS
+        if receiver.is_frozen(fix, self._driven_m if has_wheels else None):
+            return "the receiver repeats a position that the vehicle has left"
+        return None
+
+    def _speed_mps(self, t_ns: int) -> float:
+        wheels = self._wheels
+        if wheels is None or wheels.speed_mps is None or t_ns - wheels.t_ns > SPEED_HELD_NS:
+            return 0.0
+        return wheels.speed_mps
