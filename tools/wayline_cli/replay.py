@@ -18,6 +18,7 @@ from wayline_cli.stream import DriveStream, Outage, with_outages
 from wayline_dashboard.core import DashboardCore
 from wayline_eta.core import make_eta_core
 from wayline_fusion.core import FusionCore
+from wayline_fusion.store import FusionStore
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.store import SlopeStore
 
@@ -100,11 +101,20 @@ def build_nodes(drive: Drive, route: Route | None, database_url: str | None) -> 
         loop=route.loop if route else False,
     )
     return [
-        Node("fusion", FusionCore(tuning)),
+        fusion_node(drive, database_url),
         Node("eta", make_eta_core([route] if route else [], tuning)),
         Node("slope-map", slope_map, store),
         Node("dashboard", DashboardCore(vehicle_id)),
     ]
+
+
+def fusion_node(drive: Drive, database_url: str | None) -> Node:
+    """Fusion, going on from what the database knows of this vehicle."""
+    vehicle_id, tuning = drive.drive.vehicle_id, drive.tuning
+    if database_url is None:
+        return Node("fusion", FusionCore(tuning))
+    store = FusionStore(open_database(database_url, "wayline_fusion"), vehicle_id)
+    return Node("fusion", FusionCore(tuning, store.load()), store)
 
 
 class _Span:

@@ -2,6 +2,7 @@
 
 from argparse import Namespace
 
+from wayline.database import open_database
 from wayline.node import Node
 from wayline.service import Service
 from wayline.settings import Settings
@@ -9,6 +10,8 @@ from wayline.shell import main as run_shell
 from wayline.shell import plain_app
 from wayline_fusion.core import FusionCore
 from wayline_fusion.live_view import live_view
+from wayline_fusion.patient_store import PatientStore
+from wayline_fusion.store import FusionStore
 
 NAME = "fusion"
 
@@ -16,9 +19,19 @@ NAME = "fusion"
 def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured, with its live view where that is wanted."""
     del options
+    url = settings.database_url
+    engine = None if url is None else open_database(url, "wayline_fusion")
+
+    def make_node(vehicle_id: str, source: str) -> Node:
+        del source
+        if engine is None:
+            return Node(NAME, FusionCore(settings.tuning))
+        store = PatientStore(FusionStore(engine, vehicle_id))
+        return Node(NAME, FusionCore(settings.tuning, store.load()), store)
+
     return Service(
         NAME,
-        lambda *_: Node(NAME, FusionCore(settings.tuning)),
+        make_node,
         FusionCore.reads,
         watch=live_view(settings),
         make_app=plain_app(NAME, settings),

@@ -37,6 +37,8 @@ class Motion(msgspec.Struct, frozen=True, kw_only=True):
     """Negative in reverse."""
     speed_std_mps: float
     yaw_rate_degps: float | None = None
+    is_unconfirmed: bool = False
+    """The place is that of before a restart; no fix has told since."""
 
 
 class SensorErrors(msgspec.Struct, frozen=True, kw_only=True):

@@ -7,8 +7,9 @@ from typing import Any, ClassVar
 import msgspec
 
 from wayline.air import metres_per_pascal, pressure_altitude_m
+from wayline.core import Record
 from wayline.gps_quality import altitude_std_m, horizontal_std_m, is_good
-from wayline.inputs import Tick
+from wayline.inputs import Flush, Tick
 from wayline.messages import (
     Barometer,
     Calibration,
@@ -27,8 +28,10 @@ from wayline_fusion.clock_steps import ClockSteps
 from wayline_fusion.displacement import Displacement
 from wayline_fusion.events import ClockStep, Event, Fix, Step, WheelSpeed
 from wayline_fusion.gps_only import GpsOnly, by_quality, same_for_all
+from wayline_fusion.keeping import Keeper
 from wayline_fusion.loose import Loose
 from wayline_fusion.plausibility import SENSORS, Plausibility, refused
+from wayline_fusion.records import Saved
 from wayline_fusion.resolution import Resolution
 from wayline_fusion.timeline import Timeline
 from wayline_fusion.uncoupled import Uncoupled
@@ -54,14 +57,19 @@ GYRO_ROUNDING_MAX_DEGPS = 0.15
 
 
 class FusionCore:
-    """One vehicle's pose, ten times a second with CAN, else once a fix."""
+    """One vehicle's pose, ten times a second with CAN, else once a fix.
+
+    `saved` is what was kept of this very vehicle; records of it say what to keep.
+    """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset({GpsFix, Odometer, Gyro, Barometer})
     period_ns: ClassVar[int | None] = 100_000_000
 
-    def __init__(self, tuning: Tuning) -> None:
+    def __init__(self, tuning: Tuning, saved: Saved | None = None) -> None:
         self._tuning = tuning
-        self._estimator = ARCHITECTURES[tuning.architecture](tuning)
+        self._estimator = estimator = ARCHITECTURES[tuning.architecture](tuning)
+        # the other architectures learn nothing
+        self._keeper = Keeper(estimator, saved, tuning) if isinstance(estimator, Loose) else None
         self._timeline: Timeline[Event, Any] = Timeline(
             self._estimator.apply,
             self._estimator.snapshot,
@@ -87,10 +95,12 @@ class FusionCore:
         self._rejected = 0
         self._verdicts: list[Verdict] = []
 
-    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message]:
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
         """Take a fix, a sensor's message or a Tick; return the poses and status due."""
         if isinstance(message, Message) and self._is_refused(message, source):
             return ()
+        if self._keeper is not None and isinstance(message, Message):
+            self._keeper.begin(message.t_ns)
         if isinstance(message, Gyro):
             self._gyro(message)
         elif isinstance(message, Tick):
@@ -101,6 +111,8 @@ class FusionCore:
             return self._gps_fix(message)
         elif isinstance(message, Barometer):
             self._barometer(message)
+        elif isinstance(message, Flush) and self._keeper is not None:
+            return self._keeper.last(self._heard_ns())
         return ()
 
     def _is_refused(self, message: Message, source: str) -> bool:
@@ -119,6 +131,10 @@ class FusionCore:
         return True
 
     def _gyro(self, gyro: Gyro) -> None:
+        if gyro.temperature_c is not None and self._keeper is not None:
+            restarted = self._keeper.take_temperature(gyro.t_ns, gyro.temperature_c)
+            if restarted is not None:
+                self._add(restarted)
         if gyro.yaw_rate_degps is not None:
             self._can_ns = gyro.t_ns
             self._rate_steps.learn(gyro.yaw_rate_degps)
@@ -186,9 +202,9 @@ class FusionCore:
             std_m = math.hypot(rounding_m, self._tuning.baro_std_m)
             self._vertical.barometer(pressure_altitude_m(pressure_pa), std_m)
 
-    def _tick(self, t_ns: int) -> Sequence[Message]:
+    def _tick(self, t_ns: int) -> Sequence[Message | Record]:
         self._add(Step(t_ns))
-        messages: list[Message] = []
+        messages: list[Message | Record] = []
         on_second = t_ns % SECOND_NS == 0
         without_fix = self._fix_ns is None or t_ns - self._fix_ns > SECOND_NS
         if t_ns > self._pose_ns and (self._has_can(t_ns) or (on_second and without_fix)):
@@ -197,7 +213,13 @@ class FusionCore:
             messages.append(self._pose())
         if on_second:
             messages.append(self._status(t_ns))
+        if self._keeper is not None:
+            messages += self._keeper.due(t_ns, self._heard_ns())
         return messages
+
+    def _heard_ns(self) -> int | None:
+        """When a sensor said something for the last time."""
+        return max(self._can_ns or 0, self._fix_ns or 0) or None
 
     def _add(self, event: Event) -> None:
         """Apply an event; told are its own verdicts, not those of events that it set back."""
@@ -227,7 +249,7 @@ class FusionCore:
             return "starting"
         if max(motion.east_std_m, motion.north_std_m) > LOST_STD_M:
             return "lost"
-        if motion.t_ns - motion.accepted_fix_ns > OUTAGE_NS:
+        if motion.is_unconfirmed or motion.t_ns - motion.accepted_fix_ns > OUTAGE_NS:
             return "dead_reckoning"
         return "fused" if self._has_can(motion.t_ns) else "gps"
 

@@ -44,6 +44,7 @@ class Loose(Estimator):
             speed_mps=float(kalman.x[S.SPEED]) if moving else None,
             speed_std_mps=kalman.std(S.SPEED),
             yaw_rate_degps=self._yaw_rate_degps(),
+            is_unconfirmed=memory.position_unconfirmed,
         )
 
     def _yaw_rate_degps(self) -> float | None:

@@ -22,6 +22,9 @@ class Memory(msgspec.Struct, frozen=True):
     placed_ns: int | None = None
     """When the position was last set to a fix, not corrected with one."""
     accepted_fix_ns: int | None = None
+    position_unconfirmed: bool = False
+    """As it was before a restart, and no fix has told since; so with the heading."""
+    heading_unconfirmed: bool = False
     lockout: Lockout | None = None
     course_rejected_since_ns: int | None = None
     speed_rejected_since_ns: int | None = None

@@ -1,0 +1,47 @@
+"""Pure: takes what is known of a vehicle over a restart."""
+
+from wayline.tuning import Tuning
+from wayline_fusion.events import GyroRestarted
+from wayline_fusion.loose import Loose
+from wayline_fusion.records import Saved
+from wayline_fusion.restart import kept, resumed
+from wayline_fusion.save_times import SaveTimes, is_silent
+
+
+class Keeper:
+    """Starts one estimator from what was kept, and says what to keep of it."""
+
+    def __init__(self, estimator: Loose, saved: Saved | None, tuning: Tuning) -> None:
+        self._estimator, self._tuning = estimator, tuning
+        self._saved = saved
+        """Until the first message tells how old it is."""
+        self._times = SaveTimes()
+        self._kept_temperature_c = saved.calibration.gyro_temperature_c if saved else None
+        self._temperature_c: float | None = None
+
+    def begin(self, t_ns: int) -> None:
+        """Called with the instant of every message, before the estimator gets it."""
+        saved, self._saved = self._saved, None
+        if saved is not None:
+            estimator = self._estimator
+            estimator.restore(resumed(saved, estimator.snapshot(), t_ns, self._tuning))
+
+    def take_temperature(self, t_ns: int, temperature_c: float) -> GyroRestarted | None:
+        """Of the gyro; the first one says how far what was kept of its bias still holds."""
+        self._temperature_c = temperature_c
+        before_c, self._kept_temperature_c = self._kept_temperature_c, None
+        return None if before_c is None else GyroRestarted(t_ns, temperature_c - before_c)
+
+    def due(self, t_ns: int, heard_ns: int | None) -> list[Saved]:
+        """What to keep at a tick; `heard_ns` is when a sensor was heard last."""
+        standing = self._estimator.standing
+        return self._now() if self._times.is_due(t_ns, heard_ns, standing=standing) else []
+
+    def last(self, heard_ns: int | None) -> list[Saved]:
+        """What to keep at the end; where the sensors have fallen silent before, that stands."""
+        return [] if is_silent(self._estimator.memory.t_ns, heard_ns) else self._now()
+
+    def _now(self) -> list[Saved]:
+        snapshot = self._estimator.snapshot()
+        saved = kept(snapshot, snapshot.memory.t_ns, self._temperature_c)
+        return [] if saved is None else [saved]

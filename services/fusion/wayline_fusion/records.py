@@ -1,0 +1,51 @@
+"""Pure: what fusion keeps of a vehicle over a restart."""
+
+import msgspec
+
+from wayline.core import Record
+
+
+class SensorCalibration(msgspec.Struct, frozen=True, kw_only=True):
+    """What was learned of the vehicle's sensors; `fusion_status` says what each number means."""
+
+    gyro_bias_degps: float
+    gyro_bias_std_degps: float
+    gyro_scale: float
+    gyro_scale_std: float
+    odometer_scale: float
+    odometer_scale_std: float
+    gps_latency_s: float
+    gps_latency_std_s: float
+    correlations: tuple[float, ...]
+    """Of these four: first with second, first with third, and so on to third with fourth."""
+    gyro_temperature_c: float | None = None
+    """While the bias was learned, where the bus tells it."""
+    position_noise_factor: float = 1.0
+    """Of the variances that this vehicle's sensors claim or are configured to have..."""
+    velocity_noise_factor: float = 1.0
+    bias_wander_factor: float = 1.0
+    """...and of the gyro's configured bias walk."""
+
+
+class LastPose(msgspec.Struct, frozen=True, kw_only=True):
+    """Where the vehicle was, and how it moved."""
+
+    lat_deg: float
+    lon_deg: float
+    east_std_m: float
+    north_std_m: float
+    heading_deg: float
+    heading_std_deg: float
+    speed_mps: float
+    """Negative in reverse."""
+    fix_ns: int
+    """When a fix was last accepted."""
+
+
+class Saved(Record, frozen=True, kw_only=True):
+    """All that is kept of one vehicle, as of an instant of measurement time."""
+
+    t_ns: int
+    calibration: SensorCalibration
+    pose: LastPose | None = None
+    """None before position and heading were known."""
