@@ -235,6 +235,7 @@ class Estimator:
         if _has_lasted(since_ns, event.t_ns, tuning.bias_relock_after_s):
             # another gyro, or one that was switched off and on
             self.filter.doubt(States.GYRO_BIAS, math.radians(tuning.gyro_bias_initial_std_degps))
+            self._tell("standstill_gyro", event.t_ns, "another bias for long; learned anew")
         is_accepted = self._gated(measurement, event.t_ns, is_silent=True)
         self._remember(still_rate_rejected_since_ns=_since(is_accepted, since_ns, event.t_ns))
 
@@ -340,6 +341,7 @@ class Estimator:
             # other tyres, or a speed in another unit
             self.filter.doubt(States.ODOMETER_SCALE, SCALE_UNKNOWN)
             self.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
+            self._tell("odometer", fix.t_ns, "another scale for long; learned anew")
         is_accepted = self._gated(measurement, fix.t_ns)
         noise = memory.velocity_noise
         if self.wheels_fresh and speed_mps >= tuning.course_speed_min_mps:
@@ -374,6 +376,7 @@ class Estimator:
                 bias_std = BIAS_DOUBT_FACTOR * self.filter.std(States.GYRO_BIAS)
                 most = math.radians(tuning.gyro_bias_initial_std_degps)
                 self.filter.doubt(States.GYRO_BIAS, min(bias_std, most))
+                self._tell("gps_course", fix.t_ns, "another heading for long; set to the course")
             return
         measurement = measurements.course(self.filter.x, fix.course_rad, std_rad, rate_radps)
         self._learn_doppler(fix, speed_mps, measurement)
@@ -447,14 +450,13 @@ class Estimator:
         self.filter.x, self.filter.P = self._sound.x.copy(), self._sound.P.copy()
         self.filter.forget_motion()
         self.memory = Memory(t_ns=t_ns, distance_m=self._sound.memory.distance_m)
+        self._tell("filter", t_ns, "lost its numbers; restarted with the last good calibration")
+
+    def _tell(self, sensor: str, t_ns: int, reason: str) -> None:
+        """Say that something known was given up."""
         self._verdicts.append(
             Verdict(
-                sensor="filter",
-                t_ns=t_ns,
-                accepted=False,
-                nis=0.0,
-                threshold=0.0,
-                reason="lost its numbers; restarted with the last good calibration",
+                sensor=sensor, t_ns=t_ns, accepted=False, nis=0.0, threshold=0.0, reason=reason
             )
         )
 
