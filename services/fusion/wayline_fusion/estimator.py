@@ -455,9 +455,7 @@ class Estimator:
     def _tell(self, sensor: str, t_ns: int, reason: str) -> None:
         """Say that something known was given up."""
         self._verdicts.append(
-            Verdict(
-                sensor=sensor, t_ns=t_ns, accepted=False, nis=0.0, threshold=0.0, reason=reason
-            )
+            Verdict(sensor=sensor, t_ns=t_ns, accepted=False, nis=0.0, threshold=0.0, reason=reason)
         )
 
     def heading_deg(self) -> float:
