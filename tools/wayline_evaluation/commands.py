@@ -84,6 +84,13 @@ def outages_command(
     passes: Annotated[
         int, typer.Option(min=1, help="Replays of a drive, outages moved on each time.")
     ] = 1,
+    architectures: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,...",
+            help="Compare these: loose, uncoupled, gps_only, gps_only_modified; papers/001 beside.",
+        ),
+    ] = None,
     out: Out = None,
     json: Json = None,
     plot: Plot = None,
@@ -91,20 +98,24 @@ def outages_command(
     yardstick: Yardstick = False,
 ) -> None:
     """Errors at the end of outages of GPS, as papers/001 lists them."""
-    from wayline_evaluation.outage_study import Plan, outage_study
+    from wayline_evaluation.growth_plot import plot_growth
+    from wayline_evaluation.outage_study import Plan, architectures_of, outage_study
     from wayline_evaluation.plots import plot_outages
     from wayline_evaluation.replays import Options
-    from wayline_evaluation.tables import outage_tables
+    from wayline_evaluation.tables import architecture_tables, outage_tables
 
     lengths_s = tuple(length or (60.0,))
     if min(lengths_s) <= 0.0:
         raise InputError("--length", f"{min(lengths_s):g} s is no outage", "give more than 0")
-    plan = Plan(lengths_s=lengths_s, every_s=every, start_s=start, passes=passes)
+    compared = () if architectures is None else architectures_of(architectures)
+    plan = Plan(lengths_s, every, start, passes, compared)
     with progress() as progressed:
         options = Options(out=out, jobs=jobs, yardstick=yardstick)
         report = outage_study(drives, plan, options, progressed)
-    _tell(outage_tables(report), report, json)
-    if plot is not None:
+    _tell((architecture_tables if compared else outage_tables)(report), report, json)
+    if plot is not None and compared:
+        plot_growth(report.growths, plot)
+    elif plot is not None:
         plot_outages(report, plot)
 
 

@@ -3,9 +3,13 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 from wayline.errors import InputError
+from wayline.tuning import ArchitectureName
 from wayline_cli.stream import Outage
+from wayline_evaluation.estimates import Estimates
+from wayline_evaluation.growth import Drift, drift_of
 from wayline_evaluation.outages import (
     OutageReport,
     OutageScore,
@@ -31,12 +35,14 @@ BETWEEN_S = 120.0
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """When GPS is taken away."""
+    """When GPS is taken away, and from which architectures."""
 
     lengths_s: tuple[float, ...] = (60.0,)
     every_s: float | None = None
     start_s: float = 240.0
     passes: int = 1
+    architectures: tuple[ArchitectureName, ...] = ()
+    """None: the one that each drive is tuned to."""
 
     def outages(self, length_s: float, until_s: float) -> list[list[Outage]]:
         """Outages of every pass over a drive. Raises InputError."""
@@ -60,6 +66,7 @@ class Pass:
     undisturbed: Replayed
     outages: tuple[Outage, ...]
     number: int
+    architecture: ArchitectureName | None
     keep: Path | None
     yardstick: bool
 
@@ -70,7 +77,18 @@ class PassScores:
 
     reference: Kind
     scores: tuple[OutageScore, ...]
+    drifts: tuple[Drift, ...]
     skipped: int
+
+
+def architectures_of(names: str) -> tuple[ArchitectureName, ...]:
+    """Names with commas between them. Raises InputError."""
+    known: tuple[ArchitectureName, ...] = get_args(ArchitectureName)
+    wanted = [name.strip() for name in names.split(",")]
+    if unknown := [name for name in wanted if name not in known]:
+        where = "--architectures"
+        raise InputError(where, f"{unknown[0]!r} is not known", f"give some of {', '.join(known)}")
+    return tuple(name for name in known if name in wanted)
 
 
 def outage_study(
@@ -92,6 +110,7 @@ def outage_study(
         one_kind([each.reference for each in results]),
         [score for each in results for score in each.scores],
         sum(each.skipped for each in results),
+        [drift for each in results for drift in each.drifts],
     )
 
 
@@ -103,15 +122,19 @@ def _passes(folder: Path, run: Replayed, plan: Plan, options: Options) -> Iterat
     for length_s in plan.lengths_s:
         schedules = plan.outages(length_s, run.end_s - run.start_s)
         for number, outages in enumerate(schedules, start=1):
-            keep = options.keep(folder, f"{length_s:g}s-{number}")
-            if outages:
-                yield Pass(folder, run, tuple(outages), number, keep, options.yardstick)
+            for place, architecture in enumerate(plan.architectures or (None,)):
+                part = f"{length_s:g}s-{number}" + (f"-{architecture}" if architecture else "")
+                keep = options.keep(folder, part)
+                yardstick = options.yardstick and place == 0
+                if outages:
+                    yield Pass(folder, run, tuple(outages), number, architecture, keep, yardstick)
 
 
 def _scored(one: Pass) -> PassScores:
-    run, before = replayed(one.folder, one.outages, one.keep), one.undisturbed
+    run = replayed(one.folder, one.outages, one.keep, one.architecture)
+    before = one.undisturbed
     reference = truth_of(one.folder) or fixes_reference(before.fixes, before.estimates)
-    filters = {"fusion": run.estimates}
+    filters: dict[str, Estimates] = {one.architecture or "fusion": run.estimates}
     if one.yardstick:
         filters["yardstick"] = told(one.folder, one.outages, run.estimates.times_s)
     found = [
@@ -128,4 +151,15 @@ def _scored(one: Pass) -> PassScores:
         for outage in one.outages
     ]
     scores = tuple(score for score in found if score is not None)
-    return PassScores(reference.kind, scores, len(found) - len(scores))
+    drifts = tuple(
+        drift_of(
+            outage,
+            name=name,
+            drive_start_s=run.start_s,
+            estimates=estimates,
+            reference=reference,
+        )
+        for name, estimates in filters.items()
+        for outage in one.outages
+    )
+    return PassScores(reference.kind, scores, drifts, len(found) - len(scores))

@@ -8,6 +8,7 @@ import numpy as np
 from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates
 from wayline_evaluation.figures import Figures, figures_of, ratio_of
+from wayline_evaluation.growth import Drift, Growth, growths
 from wayline_evaluation.pose_errors import pose_errors
 from wayline_evaluation.reference import Kind, Reference
 
@@ -82,6 +83,7 @@ class OutageReport(msgspec.Struct, frozen=True, kw_only=True):
     outages: tuple[OutageScore, ...]
     skipped: int
     """Outages without a reference or a pose at their end."""
+    growths: tuple[Growth, ...] = ()
 
 
 def schedule(
@@ -143,7 +145,9 @@ def score_outage(
     )
 
 
-def outage_report(reference: Kind, scores: Sequence[OutageScore], skipped: int) -> OutageReport:
+def outage_report(
+    reference: Kind, scores: Sequence[OutageScore], skipped: int, drifts: Sequence[Drift] = ()
+) -> OutageReport:
     """Sum up the scores of all drives."""
     kinds = sorted({(s.duration_s, s.filter) for s in scores})
     summaries = tuple(
@@ -160,6 +164,7 @@ def outage_report(reference: Kind, scores: Sequence[OutageScore], skipped: int) 
         ratios=_ratios(summaries),
         outages=tuple(scores),
         skipped=skipped,
+        growths=tuple(growths(drifts)),
     )
 
 

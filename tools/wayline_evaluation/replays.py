@@ -13,6 +13,7 @@ import msgspec
 from wayline.drive import load_drive
 from wayline.errors import InputError
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Pose, Torque
+from wayline.tuning import ArchitectureName
 from wayline_cli.replay import replay
 from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates, estimates_of
@@ -56,14 +57,19 @@ class Replayed:
     fixes: tuple[GpsFix, ...]
 
 
-def replayed(folder: Path, outages: Sequence[Outage], keep: Path | None) -> Replayed:
+def replayed(
+    folder: Path,
+    outages: Sequence[Outage],
+    keep: Path | None,
+    architecture: ArchitectureName | None = None,
+) -> Replayed:
     """Replay a drive into `keep`, or into a folder that is gone afterwards. Raises InputError."""
     if keep is not None:
-        replay(folder, keep, outages=outages)
+        replay(folder, keep, outages=outages, architecture=architecture)
         return read_replay(folder, keep)
     with tempfile.TemporaryDirectory(prefix="wayline-evaluate-") as temporary:
         out = Path(temporary)
-        replay(folder, out, outages=outages)
+        replay(folder, out, outages=outages, architecture=architecture)
         return read_replay(folder, out)
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from rich.table import Table
 
 from wayline_evaluation.accuracy import AccuracyReport, DriveAccuracy
+from wayline_evaluation.architectures import ArchitectureRow, architecture_rows, paper_rows
 from wayline_evaluation.figures import Consistency, Errors, Figures, Inside
 from wayline_evaluation.outages import OutageReport, OutageScore
 from wayline_evaluation.slope import SlopeReport
@@ -162,6 +163,31 @@ def _summary_table(report: OutageReport) -> Table:
     for duration, ratio in report.ratios.items():
         table.add_row("ratio", duration, "all", "", "horizontal", *_cells(ratio))
     return table
+
+
+def architecture_tables(report: OutageReport) -> Iterator[Table]:
+    """One row an architecture and duration, papers/001's own outages beneath."""
+    against = "the truth" if report.reference == "truth" else "the recorded fixes"
+    table = _table(f"outages of GPS by architecture, errors at their end against {against}")
+    table.add_column("architecture", no_wrap=True)
+    for name in ("lasts\ns", "outages\n", "distance\nmean, m", "horizontal, m\np50", "\np90"):
+        table.add_column(name, justify="right")
+    for name in ("horizontal, %\np50", "\np90", "cross-track\nmean, m", "\nmean, %"):
+        table.add_column(name, justify="right")
+    table.add_column("heading, deg\np50", justify="right")
+    for row in (*architecture_rows(report.outages), *paper_rows()):
+        table.add_row(*_architecture_cells(row))
+    yield table
+
+
+def _architecture_cells(row: ArchitectureRow) -> Iterator[str]:
+    yield from (row.architecture, f"{row.duration_s:g}", str(row.count), f"{row.distance_m:.0f}")
+    for figures in (row.horizontal_m, row.horizontal_pct):
+        yield "" if figures is None else f"{figures.p50:.1f}"
+        yield "" if figures is None else f"{figures.p90:.1f}"
+    yield f"{row.cross_track_m:.1f}"
+    yield "" if row.cross_track_pct is None else f"{row.cross_track_pct:.1f}"
+    yield "" if row.heading_deg is None else f"{row.heading_deg.p50:.1f}"
 
 
 def _cells(figures: Figures) -> Iterator[str]:
