@@ -9,8 +9,10 @@ import msgspec
 from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Gyro, Message, Odometer
 
-SHORTEST_NS = 1_000_000_000
-"""As late as a measurement may be: less is disorder, not a step."""
+FORWARD_NS = 1_500_000_000
+"""A silent bus leaves the seconds between fixes; more than that is a step..."""
+BACK_NS = 1_000_000_000
+"""...and so is more than a measurement may be late."""
 
 
 class ClockSteps:
@@ -32,9 +34,9 @@ class ClockSteps:
         if vehicle_ns is None:
             return None
         ahead_ns = message.t_ns - newest_ns
-        if SHORTEST_NS < ahead_ns <= LONGEST_GAP_NS and newest_ns - vehicle_ns <= SHORTEST_NS:
+        if FORWARD_NS < ahead_ns <= LONGEST_GAP_NS and newest_ns - vehicle_ns <= BACK_NS:
             return ahead_ns * 1e-9
         back_ns = vehicle_ns - message.t_ns
-        if isinstance(message, Gyro | Odometer) and back_ns > SHORTEST_NS:
+        if isinstance(message, Gyro | Odometer) and back_ns > BACK_NS:
             return -back_ns * 1e-9
         return None

@@ -26,7 +26,7 @@ DURATION_S = 130.0
 SETTLED_S = 50.0
 """Until then the heading is being found and the sensors are being calibrated."""
 MOTIONS: list[Motion] = [straight, circle, figure_eight, stop_and_go, spiral_down]
-OBD = {"odometer_hz": 2, "speed_step_mps": 1.0 / 3.6}
+OBD = Sensors(odometer_hz=2, speed_step_mps=1.0 / 3.6)
 """Speed as a car's diagnosis tells it: twice a second in steps of 1 km/h."""
 WHERE = {
     "exact": Sensors(),
@@ -38,7 +38,7 @@ WHERE = {
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("sensors", WHERE.values(), ids=WHERE)
 def test_the_pose_is_the_truth(motion: Motion, sensors: Sensors) -> None:
-    """Late fixes cost nothing; a speed sampled at 10 Hz lags a hard start by a tenth of a second."""
+    """Late fixes cost nothing; a speed sampled at 10 Hz lags a hard start by a tenth second."""
     truths = truth_of(motion, DURATION_S)
     outputs = run_core(FusionCore(Tuning()), messages_of(motion, truths, sensors))
     poses = [pose for pose in only(outputs, Pose) if pose.t_ns >= at(SETTLED_S)]
@@ -52,7 +52,7 @@ def test_the_pose_is_the_truth(motion: Motion, sensors: Sensors) -> None:
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_a_speed_twice_a_second_in_steps_is_enough(motion: Motion) -> None:
     """With late fixes and a coarse gyro besides; between speeds a start is not known."""
-    sensors = Sensors(latency_s=0.6, rate_step_degps=0.25, **OBD)
+    sensors = OBD._replace(latency_s=0.6, rate_step_degps=0.25)
     truths = truth_of(motion, DURATION_S)
     outputs = run_core(FusionCore(Tuning()), messages_of(motion, truths, sensors))
     poses = [pose for pose in only(outputs, Pose) if pose.t_ns >= at(SETTLED_S)]
@@ -64,7 +64,7 @@ def test_a_speed_twice_a_second_in_steps_is_enough(motion: Motion) -> None:
 def test_pulling_away_is_believed_at_once_however_rarely_the_speed_comes() -> None:
     """Rest is known well, but a second later the vehicle may be under way."""
     truths = truth_of(stop_and_go, DURATION_S)
-    outputs = run_core(FusionCore(Tuning()), messages_of(stop_and_go, truths, Sensors(**OBD)))
+    outputs = run_core(FusionCore(Tuning()), messages_of(stop_and_go, truths, OBD))
     verdicts = [v for status in only(outputs, FusionStatus) for v in status.verdicts]
     assert not [v for v in verdicts if v.sensor == "odometer"]
 
