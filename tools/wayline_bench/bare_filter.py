@@ -3,21 +3,22 @@
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
+from wayline.tuning import Tuning
+from wayline_fusion.horizontal import HorizontalFilter
 from wayline_fusion.states import States
-
-SIZE = len(States)
 
 
 class BareFilter:
     """As many states as fusion's filter, constant matrices, a measurement of one number."""
 
     def __init__(self) -> None:
-        self._filter = kalman = ExtendedKalmanFilter(dim_x=SIZE, dim_z=1)
-        kalman.x = np.zeros(SIZE)
-        kalman.F = np.eye(SIZE)
+        size = HorizontalFilter(Tuning()).dim_x
+        self._filter = kalman = ExtendedKalmanFilter(dim_x=size, dim_z=1)
+        kalman.x = np.zeros(size)
+        kalman.F = np.eye(size)
         kalman.F[States.EAST, States.SPEED] = 0.1
-        kalman.Q = 1e-3 * np.eye(SIZE)
-        self._H = np.zeros((1, SIZE))
+        kalman.Q = 1e-3 * np.eye(size)
+        self._H = np.zeros((1, size))
         self._H[0, States.SPEED] = 1.0
         self._z = np.array([0.5])
 

@@ -18,10 +18,10 @@ def threshold(dimension: int, probability: float) -> float:
 
 def nis_of(measurement: Measurement, expected: Floats) -> float:
     """Normalised innovation squared; `expected` is H P H'."""
-    y, covariance = measurement.y, expected + measurement.R
+    y, noise = measurement.y, measurement.R
     if len(y) == 1:
-        return float(y[0]) ** 2 / float(covariance[0, 0])
-    return float(y @ np.linalg.solve(covariance, y))
+        return float(y[0]) ** 2 / (float(expected[0, 0]) + float(noise[0, 0]))
+    return float(y @ np.linalg.solve(expected + noise, y))
 
 
 def judge(sensor: str, t_ns: int, nis: float, dimension: int, probability: float) -> Verdict:

@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from wayline.geo import wrap_pi
-from wayline_fusion.states import Floats, States
+from wayline_fusion.states import SIZE, Floats, States
 
 S = States
-SIZE = len(S)
 
 
 class Measurement(NamedTuple):
@@ -58,7 +57,7 @@ def course(x: Floats, course_rad: float, std_rad: float, rate_radps: float) -> M
 
 def odometer(x: Floats, speed_mps: float, std_mps: float) -> Measurement:
     """Wheel speed with sign; true speed = odometer_scale x measured."""
-    speed, scale = x[S.SPEED], x[S.ODOMETER_SCALE]
+    speed, scale = float(x[S.SPEED]), float(x[S.ODOMETER_SCALE])
     by_state = {S.SPEED: 1.0 / scale, S.ODOMETER_SCALE: -speed / scale**2}
     return _scalar("odometer", speed_mps - speed / scale, by_state, std_mps)
 
@@ -73,7 +72,7 @@ def still_rate(x: Floats, rate_radps: float, std_radps: float) -> Measurement:
     return _scalar("standstill_gyro", rate_radps - x[S.GYRO_BIAS], {S.GYRO_BIAS: 1.0}, std_radps)
 
 
-def _scalar(sensor: str, y: float, by_state: dict[S, float], std: float) -> Measurement:
+def _scalar(sensor: str, y: float, by_state: dict[int, float], std: float) -> Measurement:
     H = np.zeros((1, SIZE))
     for state, derivative in by_state.items():
         H[0, state] = derivative

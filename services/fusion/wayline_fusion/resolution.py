@@ -2,6 +2,9 @@
 
 import math
 
+FINEST = 1
+"""A step of one unit stays one, whatever is read."""
+
 
 class Resolution:
     """The step of a quantised sensor: the greatest common divisor of all its readings so far.
@@ -12,12 +15,11 @@ class Resolution:
     def __init__(self, unit: float) -> None:
         self._unit = unit
         self._divisor = 0
+        self.std = 0.0
+        """Standard deviation of rounding to the step: step / sqrt(12)."""
 
     def learn(self, value: float) -> None:
         """Take a reading into account."""
-        self._divisor = math.gcd(self._divisor, round(value / self._unit))
-
-    @property
-    def std(self) -> float:
-        """Standard deviation of rounding to the step: step / sqrt(12)."""
-        return self._divisor * self._unit / math.sqrt(12.0)
+        if self._divisor != FINEST:
+            self._divisor = math.gcd(self._divisor, round(value / self._unit))
+            self.std = self._divisor * self._unit / math.sqrt(12.0)

@@ -6,7 +6,7 @@ from itertools import islice
 import msgspec
 
 from wayline.inputs import Tick
-from wayline.messages import GpsFix, Gyro, Message, Odometer, Pose
+from wayline.messages import GpsFix, Gyro, Odometer, Pose
 from wayline.tuning import Tuning
 from wayline_bench.bare_filter import BareFilter
 from wayline_bench.fusion import BETWEEN_NS, START_NS, STEP_INPUTS
@@ -40,7 +40,7 @@ def test_fusion_follows_the_drive() -> None:
     """A pose a step, and placed; a core that rejects everything would be measured in vain."""
     core = FusionCore(Tuning())
     inputs = list(islice(with_ticks(drive(START_NS, BETWEEN_NS)), 6_000))
-    outputs: list[Message] = [out for each in inputs for out in core.handle(each, "bench")]
+    outputs = [out for each in inputs for out in core.handle(each, "bench")]
     poses = [each for each in outputs if isinstance(each, Pose)]
     assert len(poses) == sum(isinstance(each, Tick) for each in inputs)
     assert poses[-1].mode == "fused"
