@@ -191,7 +191,6 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         return math.sqrt(self._tuning.gps_error_share) * std_m
 
 
-def _inverse(S: Floats) -> Floats:
+def _inverse(S: Floats) -> np.ndarray:
     """Of an innovation's covariance, which is mostly a single number."""
-    inverse: Floats = 1.0 / S if len(S) == 1 else np.linalg.inv(S)
-    return inverse
+    return 1.0 / S if len(S) == 1 else np.linalg.inv(S)
