@@ -30,7 +30,7 @@ STOOD_MPS = 0.5
 """Slower is standing."""
 ACCELERATION_MPS2 = 1.5
 """What the speed may have done while nobody looked..."""
-LATERAL_MPS2 = 0.5
+LATERAL_MPS2 = 1.0
 """...and the heading: curves are driven at so much sideways."""
 USEFUL_STD_M, USEFUL_STD_DEG = 100.0, 30.0
 """A place or heading known worse is none to go on from."""
