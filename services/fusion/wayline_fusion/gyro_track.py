@@ -18,19 +18,21 @@ class GyroTrack:
 
     def add(self, t_ns: int, rate_radps: float) -> None:
         """Append a sample; one that does not advance time is ignored."""
-        if not self._times_ns:
-            self._append(t_ns, 0.0, rate_radps)
-            return
-        last_ns, last_rate = self._times_ns[-1], self._rates_radps[-1]
-        gap_ns = t_ns - last_ns
-        if gap_ns <= 0:
-            return
-        if gap_ns <= LONGEST_HOLD_NS:
-            turned = 0.5 * (last_rate + rate_radps) * gap_ns * 1e-9
-        else:
-            turned = last_rate * LONGEST_HOLD_NS * 1e-9
-        self._append(t_ns, self._angles_rad[-1] + turned, rate_radps)
-        if len(self._times_ns) > TRIM_AT:
+        times_ns = self._times_ns
+        angle_rad = 0.0
+        if times_ns:
+            gap_ns, last_rate = t_ns - times_ns[-1], self._rates_radps[-1]
+            if gap_ns <= 0:
+                return
+            if gap_ns <= LONGEST_HOLD_NS:
+                turned = 0.5 * (last_rate + rate_radps) * gap_ns * 1e-9
+            else:
+                turned = last_rate * LONGEST_HOLD_NS * 1e-9
+            angle_rad = self._angles_rad[-1] + turned
+        times_ns.append(t_ns)
+        self._angles_rad.append(angle_rad)
+        self._rates_radps.append(rate_radps)
+        if len(times_ns) > TRIM_AT:
             self._trim(t_ns - KEPT_NS)
 
     def turned_rad(self, from_ns: int, to_ns: int) -> float | None:
@@ -70,11 +72,6 @@ class GyroTrack:
         share = (t_ns - times[place - 1]) / (times[place] - times[place - 1])
         before = self._angles_rad[place - 1]
         return before + share * (self._angles_rad[place] - before)
-
-    def _append(self, t_ns: int, angle_rad: float, rate_radps: float) -> None:
-        self._times_ns.append(t_ns)
-        self._angles_rad.append(angle_rad)
-        self._rates_radps.append(rate_radps)
 
     def _trim(self, oldest_ns: int) -> None:
         place = bisect_left(self._times_ns, oldest_ns)

@@ -6,7 +6,6 @@ which eq. 4.5 leaves out.
 """
 
 import math
-from enum import IntEnum
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
@@ -14,8 +13,8 @@ from filterpy.kalman import KalmanFilter
 from wayline.tuning import Tuning
 
 
-class States(IntEnum):
-    """Places in the state vector, with the unit of each."""
+class States:
+    """Places in the state vector, with the unit of each; plain numbers are fast to index by."""
 
     ALTITUDE = 0  # m above mean sea level
     SLOPE = 1  # tan of the slope angle
@@ -23,6 +22,8 @@ class States(IntEnum):
     GPS_ERROR = 3  # m, slowly varying error of the fixes' altitude
 
 
+SIZE = 4
+"""Of the state vector."""
 S = States
 
 
@@ -31,8 +32,8 @@ class VerticalFilter:
 
     def __init__(self, tuning: Tuning) -> None:
         self._tuning = tuning
-        self._filter = KalmanFilter(dim_x=len(States), dim_z=1)
-        self._filter.x = np.zeros(len(States))
+        self._filter = KalmanFilter(dim_x=SIZE, dim_z=1)
+        self._filter.x = np.zeros(SIZE)
         self._filter.P = np.diag(
             [
                 1e6,
@@ -41,8 +42,8 @@ class VerticalFilter:
                 0.0,
             ]
         )
-        self._filter.F = np.eye(len(States))
-        self._filter.Q = np.zeros((len(States), len(States)))
+        self._filter.F = np.eye(SIZE)
+        self._filter.Q = np.zeros((SIZE, SIZE))
         self._slow_std_m = 0.0
         self.known = False
         self.rejected_in_row = 0
@@ -66,7 +67,7 @@ class VerticalFilter:
 
     def gps(self, alt_m: float, std_m: float) -> None:
         """Altitude of a fix; the first one sets the altitude, an unlikely one is left out."""
-        H = np.zeros((1, len(States)))
+        H = np.zeros((1, SIZE))
         H[0, S.ALTITUDE] = H[0, S.GPS_ERROR] = 1.0
         slow_std_m = math.sqrt(self._tuning.gps_error_share) * std_m
         white_std_m = math.sqrt(std_m**2 - slow_std_m**2)
@@ -98,7 +99,7 @@ class VerticalFilter:
 
     def barometer(self, pressure_altitude_m: float, std_m: float) -> None:
         """Barometric altitude: the altitude plus the bias of weather and sensor."""
-        H = np.zeros((1, len(States)))
+        H = np.zeros((1, SIZE))
         H[0, S.ALTITUDE] = H[0, S.BARO_BIAS] = 1.0
         self._filter.update(np.array([pressure_altitude_m]), R=std_m**2, H=H)
 
@@ -117,7 +118,7 @@ class VerticalFilter:
         """Barometric altitude minus altitude."""
         return float(self._filter.x[S.BARO_BIAS])
 
-    def std(self, state: States) -> float:
+    def std(self, state: int) -> float:
         """One sigma of a state, in the state's own unit."""
         return math.sqrt(max(float(self._filter.P[state, state]), 0.0))
 
