@@ -163,9 +163,11 @@ class FusionCore:
         if fix.alt_m is not None and "gps" in self._tuning.vertical_sensors:
             self._climb()
             self._vertical.gps(fix.alt_m, altitude_std_m(fix, self._tuning))
-        if self._has_can(fix.t_ns) or fix.t_ns <= self._pose_ns:
+        # after a late fix the state is not that of its instant but of the last event
+        now_ns = self._estimator.progress.t_ns
+        if self._has_can(fix.t_ns) or now_ns <= self._pose_ns:
             return [self._status(fix.t_ns)]
-        self._pose_ns = fix.t_ns
+        self._pose_ns = now_ns
         return [self._pose(), self._status(fix.t_ns)]
 
     def _fix_event(self, fix: GpsFix, lat_deg: float, lon_deg: float) -> Fix:

@@ -20,7 +20,7 @@ from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
 from wayline_fusion.architecture import Motion, Progress, SensorErrors
-from wayline_fusion.events import Event, Fix
+from wayline_fusion.events import Event, Fix, Step
 from wayline_fusion.moving_plane import moved_along
 from wayline_fusion.states import Floats
 
@@ -116,8 +116,9 @@ class GpsOnly:
         return []
 
     def apply(self, event: Event) -> None:
-        """Bring the state forward to an event and take in a fix."""
-        self._advance_to(event.t_ns)
+        """Bring the state forward to a fix or a tick; the vehicle's events have no part in it."""
+        if isinstance(event, Fix | Step):
+            self._advance_to(event.t_ns)
         if isinstance(event, Fix):
             self._fix(event)
 
