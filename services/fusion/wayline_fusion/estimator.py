@@ -439,9 +439,9 @@ class Estimator:
 
     def _keep_sound(self, t_ns: int) -> None:
         """Notice lost numbers; a good state is kept now and then."""
-        x, P = self.filter.x, self.filter.P
+        kalman = self.filter
         # a NaN goes through a product as through a sum, which takes numpy three times as long
-        if not math.isfinite(np.vdot(x, x) + np.vdot(P, P)):
+        if not math.isfinite(np.vdot(kalman.x, kalman.x) + np.vdot(kalman.P, kalman.P)):
             self._recover(t_ns)
         elif t_ns - self._sound.memory.t_ns >= SOUND_EVERY_NS:
             self._sound = self.snapshot()
