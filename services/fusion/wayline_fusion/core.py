@@ -30,7 +30,7 @@ from wayline_fusion.events import ClockStep, Event, Fix, Step, WheelSpeed
 from wayline_fusion.gps_only import GpsOnly, by_quality, same_for_all
 from wayline_fusion.keeping import Keeper
 from wayline_fusion.loose import Loose
-from wayline_fusion.plausibility import SENSORS, Plausibility, refused
+from wayline_fusion.plausibility import SENSORS, Plausibility, refused, within_reason
 from wayline_fusion.records import Saved
 from wayline_fusion.resolution import Resolution
 from wayline_fusion.timeline import Timeline
@@ -156,6 +156,7 @@ class FusionCore:
         self._add(WheelSpeed(odometer.t_ns, signed_mps, std_mps))
 
     def _gps_fix(self, fix: GpsFix) -> Sequence[Message]:
+        fix = within_reason(fix)
         if not fix.valid or fix.lat_deg is None or fix.lon_deg is None:
             return ()
         self._fix_ns = fix.t_ns

@@ -4,7 +4,7 @@ import math
 
 import msgspec
 
-from wayline.messages import GpsFix, Gyro, Odometer, Verdict
+from wayline.messages import Barometer, GpsFix, Gyro, Odometer, Verdict
 from wayline_fusion.frozen_receiver import FrozenReceiver
 
 FASTEST_MPS = 150.0
@@ -13,10 +13,19 @@ HARDEST_TURN_MPS2 = 15.0
 """Tyres hold 10 m/s2; a gyro's spike at speed claims more."""
 FASTEST_TURN_DEGPS = 360.0
 """At any speed."""
+PRESSURES_PA = (30_000.0, 120_000.0)
+"""From the highest pass to the deepest mine."""
+ALTITUDES_M = (-1_000.0, 12_000.0)
+STDS_M = (1e-3, 1e4)
+SPEED_STDS_MPS = (1e-2, 1e2)
+COURSE_STDS_DEG = (1e-2, 180.0)
+DILUTION_MAX = 100.0
+"""Receivers write 99.9 for none."""
 SPEED_HELD_NS = 1_000_000_000
 """A speed is held this long (SPEC section 2)."""
 
 SENSORS: dict[type[msgspec.Struct], str] = {
+    Barometer: "barometer",
     GpsFix: "gps_position",
     Gyro: "gyro",
     Odometer: "odometer",
@@ -27,6 +36,26 @@ SENSORS: dict[type[msgspec.Struct], str] = {
 def refused(sensor: str, t_ns: int, reason: str) -> Verdict:
     """Verdict on a reading that was not even compared with the filter's."""
     return Verdict(sensor=sensor, t_ns=t_ns, accepted=False, nis=0.0, threshold=0.0, reason=reason)
+
+
+def within_reason(fix: GpsFix) -> GpsFix:
+    """A fix whose stds are neither certainty nor beyond all use, without an altitude in space."""
+    is_on_earth = fix.alt_m is not None and ALTITUDES_M[0] <= fix.alt_m <= ALTITUDES_M[1]
+    return msgspec.structs.replace(
+        fix,
+        alt_m=fix.alt_m if is_on_earth else None,
+        h_std_m=_within(STDS_M, fix.h_std_m),
+        v_std_m=_within(STDS_M, fix.v_std_m),
+        speed_std_mps=_within(SPEED_STDS_MPS, fix.speed_std_mps),
+        course_std_deg=_within(COURSE_STDS_DEG, fix.course_std_deg),
+        hdop=_within((0.0, DILUTION_MAX), fix.hdop),
+        pdop=_within((0.0, DILUTION_MAX), fix.pdop),
+        vdop=_within((0.0, DILUTION_MAX), fix.vdop),
+    )
+
+
+def _within(bounds: tuple[float, float], value: float | None) -> float | None:
+    return None if value is None else min(max(value, bounds[0]), bounds[1])
 
 
 class Plausibility:
@@ -45,6 +74,9 @@ class Plausibility:
             return self._of_wheels(message)
         if isinstance(message, GpsFix) and message.valid:
             return self._of_fix(message, source)
+        if isinstance(message, Barometer) and message.pressure_pa is not None:
+            least_pa, most_pa = PRESSURES_PA
+            return None if least_pa <= message.pressure_pa <= most_pa else "no road has such air"
         return None
 
     def _of_gyro(self, gyro: Gyro) -> str | None:
