@@ -44,7 +44,7 @@ class ArchitectureRow(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def architecture_rows(scores: Sequence[OutageScore]) -> list[ArchitectureRow]:
-    """A row each, by duration and in the order in which architectures were asked for."""
+    """A row each, by duration and in the order of the scores."""
     kinds = dict.fromkeys((score.duration_s, score.filter) for score in scores)
     return [
         _row([score for score in scores if (score.duration_s, score.filter) == kind])

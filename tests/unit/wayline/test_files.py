@@ -35,6 +35,14 @@ def test_a_drive_loads_with_absolute_paths_and_defaults(tmp_path: Path) -> None:
         (DRIVE + "[tuning]\ngps_speed_std = 1\n", r"unknown key tuning\.gps_speed_std; remove it"),
         (DRIVE + "[vehicle]\nmass_kg = -1.0\n", r"vehicle\.mass_kg: .*> 0"),
         (DRIVE + '[vehicle]\nmass_kg = "heavy"\n', r"vehicle\.mass_kg: Expected `float`"),
+        (
+            DRIVE + '[tuning]\narchitecture = "tight"\n',
+            r"tuning\.architecture: .*'tight'; give one of gps_only, .*loose, uncoupled$",
+        ),
+        (
+            DRIVE + '[tuning]\nvertical_sensors = ["gps", "sonar"]\n',
+            r"vertical_sensors\[1\]: .*'sonar'; give one of barometer, gps",
+        ),
         ('[drive]\nvehicle_id = "Car 1"\n', r"drive\.vehicle_id: .*regex"),
         ("[drive]\n", r"missing key drive\.vehicle_id; add it"),
         ('[drive]\nvehicle_id = "car"\n', r"no input; add a \[\[nmea\]\]"),
