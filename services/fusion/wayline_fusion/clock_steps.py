@@ -4,8 +4,6 @@ A clock that is set leaves a gap in every sensor's times at once, or takes all o
 the vehicle is then is as uncertain as the way that it drives in such a time.
 """
 
-import msgspec
-
 from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Gyro, Message, Odometer
 
@@ -13,6 +11,8 @@ FORWARD_NS = 1_500_000_000
 """A silent bus leaves the seconds between fixes; more than that is a step..."""
 BACK_NS = 1_000_000_000
 """...and so is more than a measurement may be late."""
+OF_VEHICLE = (Gyro, Odometer)
+"""The vehicle's own sensors, which come in order and often."""
 
 
 class ClockSteps:
@@ -21,22 +21,20 @@ class ClockSteps:
     def __init__(self) -> None:
         self.newest_ns = 0
         self._vehicle_ns: int | None = None
-        """Of the vehicle's own sensors, which come in order and often."""
 
-    def step_s(self, message: msgspec.Struct) -> float | None:
+    def step_s(self, message: Message) -> float | None:
         """How far the clock has stepped just before a message; None where it has not."""
-        if not isinstance(message, Message):
-            return None
-        newest_ns, vehicle_ns = self.newest_ns, self._vehicle_ns
-        self.newest_ns = max(newest_ns, message.t_ns)
-        if isinstance(message, Gyro | Odometer):
-            self._vehicle_ns = message.t_ns
+        t_ns, newest_ns, vehicle_ns = message.t_ns, self.newest_ns, self._vehicle_ns
+        self.newest_ns = max(newest_ns, t_ns)
+        is_of_vehicle = isinstance(message, OF_VEHICLE)
+        if is_of_vehicle:
+            self._vehicle_ns = t_ns
         if vehicle_ns is None:
             return None
-        ahead_ns = message.t_ns - newest_ns
+        ahead_ns = t_ns - newest_ns
         if FORWARD_NS < ahead_ns <= LONGEST_GAP_NS and newest_ns - vehicle_ns <= BACK_NS:
             return ahead_ns * 1e-9
-        back_ns = vehicle_ns - message.t_ns
-        if isinstance(message, Gyro | Odometer) and back_ns > BACK_NS:
+        back_ns = vehicle_ns - t_ns
+        if is_of_vehicle and back_ns > BACK_NS:
             return -back_ns * 1e-9
         return None
