@@ -81,9 +81,10 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         F[S.EAST, S.HEADING], F[S.NORTH, S.HEADING] = east_by_heading, north_by_heading
         F[S.EAST, S.SPEED], F[S.NORTH, S.SPEED] = dt_s * sin, dt_s * cos
         F[S.HEADING, S.GYRO_BIAS], F[S.HEADING, S.GYRO_SCALE] = heading_by_bias, heading_by_scale
-        for row, by_heading in ((S.EAST, east_by_heading), (S.NORTH, north_by_heading)):
-            F[row, S.GYRO_BIAS] = 0.5 * by_heading * heading_by_bias
-            F[row, S.GYRO_SCALE] = 0.5 * by_heading * heading_by_scale
+        F[S.EAST, S.GYRO_BIAS] = 0.5 * east_by_heading * heading_by_bias
+        F[S.EAST, S.GYRO_SCALE] = 0.5 * east_by_heading * heading_by_scale
+        F[S.NORTH, S.GYRO_BIAS] = 0.5 * north_by_heading * heading_by_bias
+        F[S.NORTH, S.GYRO_SCALE] = 0.5 * north_by_heading * heading_by_scale
         kept = math.exp(-dt_s / self._tuning.gps_error_time_s)
         F[S.GPS_EAST, S.GPS_EAST] = F[S.GPS_NORTH, S.GPS_NORTH] = kept
         self._set_noise(dt_s, noise, gyro=turn_rad is not None, standing=standing)
