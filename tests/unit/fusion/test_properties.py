@@ -1,6 +1,7 @@
 """What holds of fusion whatever arrives, in whatever order, as long as it is a message."""
 
 import copy
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from functools import cache
@@ -8,13 +9,14 @@ from typing import Any
 
 import msgspec
 import numpy as np
+import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from builders import at, only
-from unit.fusion.drives import Sensors, messages_of, town, truth_of
+from unit.fusion.drives import Sensors, circle, messages_of, town, truth_of
 from wayline.codec import decode, encode
-from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Pose
+from wayline.messages import Barometer, FusionStatus, GpsFix, Gyro, Message, Odometer, Pose
 from wayline.node import Node
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
@@ -125,3 +127,37 @@ def assert_covariance(node: Node) -> None:
     correlations = P / np.outer(stds, stds).clip(min=1e-300)
     assert np.abs(correlations - correlations.T).max() < 1e-6
     assert np.linalg.eigvalsh(0.5 * (correlations + correlations.T)).min() > -1e-6
+
+
+@cache
+def on_a_circle() -> tuple[Node, list[Message]]:
+    """A node that knows its sensors, and the next seconds of its drive."""
+    node = Node("fusion", FusionCore(Tuning()))
+    exact = messages_of(circle, truth_of(circle, WARM_S + 6.0), Sensors(gps_noise_m=1.0))
+    # measurements of one instant are taken in as they come, so each sensor has its own
+    offsets_ns: dict[type[Message], int] = {GpsFix: 3_000_000, Odometer: 7_000_000}
+    drive = [msgspec.structs.replace(m, t_ns=m.t_ns + offsets_ns.get(type(m), 0)) for m in exact]
+    split = next(place for place, message in enumerate(drive) if message.t_ns >= at(WARM_S))
+    given_to(node, drive[:split])
+    return node, drive[split:]
+
+
+def last_state(messages: Sequence[Message]) -> list[float]:
+    outputs = given_to(copy.deepcopy(on_a_circle()[0]), messages)
+    status = msgspec.structs.replace(only(outputs, FusionStatus)[-1], verdicts=(), rejected=0)
+    return [*numbers_of(only(outputs, Pose)[-1]), *numbers_of(status)]
+
+
+@settings(deadline=None, max_examples=30, phases=(Phase.generate,))
+@given(delays_s=st.lists(st.floats(0.0, 0.99), min_size=75, max_size=75))
+def test_any_order_of_late_messages_ends_in_the_same_state(delays_s: list[float]) -> None:
+    """Fixes and wheel speeds, each up to a second late on its own way."""
+    ordered = on_a_circle()[1]
+    ways = itertools.cycle(delays_s)
+
+    def arrival_ns(message: Message) -> float:
+        prompt = isinstance(message, Gyro) or message.t_ns > at(WARM_S + 4.9)
+        return message.t_ns + (0.0 if prompt else next(ways) * 1e9)
+
+    late = sorted(ordered, key=arrival_ns)
+    assert last_state(late) == pytest.approx(last_state(ordered), abs=1e-6)
