@@ -1,11 +1,12 @@
-"""What fusion's core is measured against: filterpy's own filter, which nothing happens around."""
+"""What fusion's core is measured against: filterpy with nothing happening around it."""
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter
+from filterpy.kalman import ExtendedKalmanFilter, KalmanFilter
 
 from wayline.tuning import Tuning
 from wayline_fusion.horizontal import HorizontalFilter
 from wayline_fusion.states import States
+from wayline_fusion.vertical import SIZE as VERTICAL_SIZE
 
 
 class BareFilter:
@@ -40,3 +41,22 @@ class BareFilter:
     def _expected(self, x: np.ndarray) -> np.ndarray:
         expected: np.ndarray = self._H @ x
         return expected
+
+
+class AlgebraAlone:
+    """What fusion's step asks of filterpy, and nothing around it: no models, gates or messages."""
+
+    def __init__(self) -> None:
+        self._filter = HorizontalFilter(Tuning())
+        self._altitude = KalmanFilter(dim_x=VERTICAL_SIZE, dim_z=1)
+        self._H = np.zeros((1, self._filter.dim_x))
+        self._H[0, States.SPEED] = 1.0
+        self._z, self._R = np.array([0.5]), np.array([[0.01]])
+
+    def steps(self, count: int) -> None:
+        """Predict to the wheel speed, take it in, predict to the pose, its altitude too."""
+        for _ in range(count):
+            self._filter.predict()
+            self._filter.update(self._z, self._R, self._H)
+            self._filter.predict()
+            self._altitude.predict()

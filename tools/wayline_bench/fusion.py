@@ -9,7 +9,7 @@ import msgspec
 from wayline.messages import GpsFix
 from wayline.node import Node
 from wayline.tuning import Tuning
-from wayline_bench.bare_filter import BareFilter
+from wayline_bench.bare_filter import AlgebraAlone, BareFilter
 from wayline_bench.fusion_live import live_rows
 from wayline_bench.made_up_drive import drive, with_ticks
 from wayline_bench.rounds import Say, Work, cpu_s, in_turns
@@ -43,6 +43,7 @@ def step_rows(say: Say) -> list[Row]:
     works: dict[str, Work] = {
         "one": partial(bare.steps, STEPS, 1),
         "two": partial(bare.steps, STEPS, 2),
+        "algebra": partial(AlgebraAlone().steps, STEPS),
         "between": Driven(BETWEEN_NS, fixes=False).steps,
         "on grid": Driven(0, fixes=False).steps,
         "fixes": Driven(BETWEEN_NS, fixes=True).steps,
@@ -52,15 +53,16 @@ def step_rows(say: Say) -> list[Row]:
     names = {"one": "filterpy predict, update", "two": "filterpy predict, 2 updates"}
 
     def row(what: str, ours: str, yardstick: str, bar: float | None = None) -> Row:
-        title = f"10 gyro, 1 odometer, tick to pose{what}"
-        return compared(title, us[ours], us[yardstick], names[yardstick], unit=UNIT, bar=bar)
+        return compared(what, us[ours], us[yardstick], names[yardstick], unit=UNIT, bar=bar)
 
+    step = "10 gyro, 1 odometer, tick to pose"
     return [
-        row("", "between", "one", STEP_BAR),
-        row("", "between", "two"),
-        row(", odometer on the grid", "on grid", "one", STEP_BAR),
-        row(", odometer on the grid", "on grid", "two"),
-        row(", a late fix every tenth step", "fixes", "one"),
+        row(step, "between", "one", STEP_BAR),
+        row(step, "between", "two"),
+        row(f"{step}, odometer on the grid", "on grid", "one", STEP_BAR),
+        row(f"{step}, odometer on the grid", "on grid", "two"),
+        row(f"{step}, a late fix every tenth step", "fixes", "one"),
+        row("a step's algebra alone", "algebra", "one"),
     ]
 
 
