@@ -88,6 +88,8 @@ class FusionCore:
         self._reverse = False
         self._can_ns: int | None = None
         self._fix_ns: int | None = None
+        self._fix_delay_ns = 0
+        """How much older than the newest event a fix is when it comes."""
         self._pose_ns = 0
         self._distance_m = 0.0
         self._climbed_at = (0, 0.0)
@@ -160,6 +162,7 @@ class FusionCore:
         if not fix.valid or fix.lat_deg is None or fix.lon_deg is None:
             return ()
         self._fix_ns = fix.t_ns
+        self._fix_delay_ns = max(self._estimator.progress.t_ns - fix.t_ns, 0)
         self._add(self._fix_event(fix, fix.lat_deg, fix.lon_deg))
         if fix.alt_m is not None and "gps" in self._tuning.vertical_sensors:
             self._climb()
@@ -252,7 +255,9 @@ class FusionCore:
             return "starting"
         if max(motion.east_std_m, motion.north_std_m) > LOST_STD_M:
             return "lost"
-        if motion.is_unconfirmed or motion.t_ns - motion.accepted_fix_ns > OUTAGE_NS:
+        # a fix that is on its way is not missing
+        due_ns = motion.t_ns - self._fix_delay_ns
+        if motion.is_unconfirmed or due_ns - motion.accepted_fix_ns > OUTAGE_NS:
             return "dead_reckoning"
         return "fused" if self._has_can(motion.t_ns) else "gps"
 
