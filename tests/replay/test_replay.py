@@ -33,10 +33,11 @@ def read_topic(out: Path, topic: str) -> list[Row]:
 
 
 class Runs(NamedTuple):
-    """The real drive replayed twice into one database, and once with an outage."""
+    """The real drive replayed twice into one database, into a fresh one, and with an outage."""
 
     first: Path
     second: Path
+    fresh: Path
     outage: Path
     database_url: str
     fastest: float
@@ -52,9 +53,11 @@ def css(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Path], Runs]:
             url = f"sqlite:///{folder / 'wayline.db'}"
             first = replay(drive, folder / "1", database_url=url)
             second = replay(drive, folder / "2", database_url=url)
-            replay(drive, folder / "3", outages=[Outage(600.0, 60.0)])
+            replay(drive, folder / "3", database_url=f"sqlite:///{folder / 'fresh.db'}")
+            replay(drive, folder / "4", outages=[Outage(600.0, 60.0)])
             fastest = max(first.real_time_factor, second.real_time_factor)
-            done.append(Runs(folder / "1", folder / "2", folder / "3", url, fastest))
+            first_out, second_out, fresh, outage = (folder / name for name in "1234")
+            done.append(Runs(first_out, second_out, fresh, outage, url, fastest))
         return done[0]
 
     return run
@@ -120,12 +123,29 @@ def test_css_164_counts_and_calibration_are_the_known_ones(
 def test_css_164_replays_the_same_to_the_last_bit(
     recorded: Callable[[str], Path], css: Callable[[Path], Runs]
 ) -> None:
-    """Only the horizon may differ: the second replay knows the first one's slope."""
+    """Each time that its database is a new one."""
     runs = css(recorded("css-164"))
-    names = {path.name for path in runs.first.iterdir()} - {"horizon.jsonl"}
-    assert len(names) == 10
+    names = {path.name for path in runs.first.iterdir()}
+    assert len(names) == 11
     for name in names:
-        assert (runs.first / name).read_bytes() == (runs.second / name).read_bytes(), name
+        assert (runs.first / name).read_bytes() == (runs.fresh / name).read_bytes(), name
+
+
+def test_css_164_is_calibrated_from_the_start_once_it_has_been_driven(
+    recorded: Callable[[str], Path], css: Callable[[Path], Runs]
+) -> None:
+    """Also through the two minutes without GPS at its start; nothing is learned wrong thereby."""
+    runs = css(recorded("css-164"))
+    first, second = (read_topic(out, "fusion_status") for out in (runs.first, runs.second))
+    assert first[0]["calibration"] == "none"
+    assert {status["calibration"] for status in second} == {"calibrated"}
+    for name, std_name in (
+        ("gyro_bias_degps", "gyro_bias_std_degps"),
+        ("odometer_scale", "odometer_scale_std"),
+    ):
+        assert second[0][name] == pytest.approx(first[-1][name], abs=2.0 * first[-1][std_name])
+        assert second[-1][name] == pytest.approx(first[-1][name], abs=2.0 * first[-1][std_name])
+    assert read_topic(runs.second, "pose")[0]["mode"] == "starting"
 
 
 def test_css_164_twice_is_one_run_of_the_slope_map(
