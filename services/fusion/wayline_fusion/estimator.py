@@ -13,7 +13,7 @@ from wayline.tuning import Tuning
 from wayline_fusion import measurements
 from wayline_fusion.bias_wander import Walk
 from wayline_fusion.events import ClockStep, Event, Fix, GyroRestarted, Step, WheelSpeed
-from wayline_fusion.gate import judge, nis_of, threshold
+from wayline_fusion.gate import alarmed, judge, nis_of, threshold
 from wayline_fusion.gyro_track import GyroTrack
 from wayline_fusion.horizontal import DrivingNoise, HorizontalFilter
 from wayline_fusion.lockout import patience_s, rejected
@@ -287,7 +287,7 @@ class Estimator:
         nis = nis_of(measurement, expected)
         unaided_s = (fix.t_ns - (memory.accepted_fix_ns or fix.t_ns)) * 1e-9
         verdict = self._position_verdict(fix.t_ns, nis, unaided_s)
-        self._verdicts.append(verdict)
+        self._verdicts.append(alarmed(verdict, measurement, expected))
         if not verdict.accepted:
             self._locked_out(fix, (east_m, north_m), measurement, nis, unaided_s)
             return
@@ -427,12 +427,13 @@ class Estimator:
 
     def _gated(self, measurement: Measurement, t_ns: int, *, is_silent: bool = False) -> bool:
         """Correct with a likely measurement; `is_silent` says so only of an unlikely one."""
-        nis = nis_of(measurement, self.filter.expected(measurement))
+        expected = self.filter.expected(measurement)
+        nis = nis_of(measurement, expected)
         verdict = judge(
             measurement.sensor, t_ns, nis, len(measurement.y), self._tuning.gate_probability
         )
         if not (is_silent and verdict.accepted):
-            self._verdicts.append(verdict)
+            self._verdicts.append(alarmed(verdict, measurement, expected))
         if verdict.accepted:
             self.filter.correct(measurement)
         return verdict.accepted

@@ -1,13 +1,24 @@
 """Pure: the chi-square gate. A measurement too unlikely for its stds is rejected, and said so."""
 
+import math
 from functools import cache
 
+import msgspec
 import numpy as np
 from scipy.special import chdtri
 
 from wayline.messages import Verdict
 from wayline_fusion.measurements import Measurement
 from wayline_fusion.states import Floats
+
+WIDEST = {
+    "gps_position": 1_000.0,
+    "gps_speed": 150.0,
+    "gps_course": math.pi,
+    "standstill_gyro": math.radians(360.0),
+}
+"""How far off a measurement of each sensor can be (SI); a gate as wide rejects none. Positions
+can be further off, but a fix that displaces a vehicle by a kilometre should not pass unsaid."""
 
 
 @cache
@@ -32,3 +43,14 @@ def judge(sensor: str, t_ns: int, nis: float, dimension: int, probability: float
     return Verdict(
         sensor=sensor, t_ns=t_ns, accepted=accepted, nis=nis, threshold=limit, reason=reason
     )
+
+
+def alarmed(verdict: Verdict, measurement: Measurement, expected: Floats) -> Verdict:
+    """The verdict, with a reason also to an accepted one where the gate cannot fire."""
+    if not verdict.accepted:
+        return verdict
+    variance = float((expected + measurement.R).diagonal().max())
+    if verdict.threshold * variance < WIDEST.get(verdict.sensor, math.inf) ** 2:
+        return verdict
+    reason = "no measurement could be rejected: the filter's or the sensor's std is too large"
+    return msgspec.structs.replace(verdict, reason=reason)
