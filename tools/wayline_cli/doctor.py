@@ -25,8 +25,10 @@ from wayline_dashboard.page import STATIC
 
 SERVICES: tuple[str, ...] = get_args(ServiceName)
 SQLITE = "sqlite:///"
-DATABASE_USERS = {"slope-map": "wayline_slope_map"}
+DATABASE_USERS = {"fusion": "wayline_fusion", "slope-map": "wayline_slope_map"}
 """Services with tables of their own, and their packages."""
+DATABASE_NEEDED = frozenset({"slope-map"})
+"""Those that do not start without."""
 INGEST = ("gps-ingest", "can-ingest")
 
 
@@ -105,6 +107,8 @@ def check_database(url: str | None, service: str, *, is_default: bool) -> Check:
         package = DATABASE_USERS[service]
         return attempted(subject, lambda: database_finding(url, service, package))
     mend = "set database_url or WAYLINE_DATABASE_URL, e.g. sqlite:///wayline.db"
+    if service not in DATABASE_NEEDED:
+        return note(subject, "none is named, calibration is lost at a restart", mend)
     return (note if is_default else wrong)(subject, "none is named", mend)
 
 

@@ -104,6 +104,12 @@ def test_a_slope_map_without_a_database_is_wrong_once_configured() -> None:
         assert checks[-1].verdict is verdict
 
 
+def test_fusion_without_a_database_is_noted() -> None:
+    checks = configured(Settings(vehicle_id="a"), ["fusion"], is_default=False)
+    assert checks[-1].verdict is Verdict.NOTE
+    assert "calibration" in checks[-1].finding
+
+
 def test_a_database_is_looked_at_without_writing(tmp_path: Path) -> None:
     path = tmp_path / "a.db"
     url = f"sqlite:///{path}"
