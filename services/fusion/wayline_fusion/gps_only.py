@@ -126,7 +126,7 @@ class GpsOnly:
         self._track = msgspec.structs.replace(self._track, **changes)
 
     def _advance_to(self, t_ns: int) -> None:
-        """Time update (eq. 7, 8) with accelerations as white noise."""
+        """Time update (eq. 7, 8)."""
         before = self._track
         elapsed_ns = t_ns - before.t_ns
         if before.t_ns == 0 or elapsed_ns > LONGEST_GAP_NS:
@@ -136,13 +136,20 @@ class GpsOnly:
             self._remember(t_ns=max(t_ns, before.t_ns))
             return
         dt_s = elapsed_ns * 1e-9
-        density = self._tuning.acceleration_noise_mps_per_sqrt_s**2
-        noise = Q_continuous_white_noise(2, dt_s, density, block_size=2, order_by_dim=False)
+        noise = np.kron(Q_continuous_white_noise(2, dt_s), self._acceleration_density())
         self._filter.predict(F=np.eye(len(S)) + np.eye(len(S), k=2) * dt_s, Q=noise)
         moved_m = math.hypot(*self._filter.x[VELOCITY]) * dt_s
         self._remember(t_ns=t_ns, distance_m=before.distance_m + moved_m)
         self._move_plane()
         self._direct(moved_m)
+
+    def _acceleration_density(self) -> Floats:
+        """Of white acceleration, east and north: any way, and more across where a turn is fast."""
+        tuning = self._tuning
+        east_mps, north_mps = self._filter.x[VELOCITY]
+        across = math.radians(tuning.turn_noise_deg_per_sqrt_s) * np.array([north_mps, -east_mps])
+        density: Floats = tuning.acceleration_noise_mps_per_sqrt_s**2 * np.eye(2)
+        return density + np.outer(across, across)
 
     def _move_plane(self) -> None:
         x = self._filter.x
