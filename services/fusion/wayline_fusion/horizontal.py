@@ -65,10 +65,9 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         `turn_rad` is the measured, uncorrected turn; None without a gyro. Standing still, heading
         is held and position keeps its value.
         """
-        x, F = self.x, self.F
         # numpy's own numbers are slow to calculate with
-        heading, speed = float(x[S.HEADING]), float(x[S.SPEED])
-        bias, scale = float(x[S.GYRO_BIAS]), float(x[S.GYRO_SCALE])
+        x, F = self.x.tolist(), self.F
+        heading, speed, bias, scale = x[S.HEADING], x[S.SPEED], x[S.GYRO_BIAS], x[S.GYRO_SCALE]
         measured = turn_rad is not None and not standing
         turned = 0.0 if turn_rad is None or standing else turn_rad - bias * dt_s
         middle = heading + 0.5 * scale * turned
@@ -91,13 +90,12 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self._variances[S.GPS_EAST] = self._variances[S.GPS_NORTH] = 1.0 - kept**2
         self.predict()
         # the state itself moves by the model, not by its linearisation
-        after = x.copy()
-        after[S.EAST] += moved * sin
-        after[S.NORTH] += moved * cos
-        after[S.HEADING] += scale * turned
-        after[S.GPS_EAST] *= kept
-        after[S.GPS_NORTH] *= kept
-        self.x = after
+        x[S.EAST] += moved * sin
+        x[S.NORTH] += moved * cos
+        x[S.HEADING] += scale * turned
+        x[S.GPS_EAST] *= kept
+        x[S.GPS_NORTH] *= kept
+        self.x = np.array(x)
 
     def _set_noise(self, dt_s: float, noise: DrivingNoise, *, gyro: bool, standing: bool) -> None:
         tuning, variances = self._tuning, self._variances
