@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wayline_evaluation.architectures import PAPER, PAPER_OUTAGES
-from wayline_evaluation.growth import Growth
+from wayline_evaluation.architectures import PAPER, PAPER_OUTAGES, PAPER_PCT
+from wayline_evaluation.growth import EVERY_M, Growth
 from wayline_evaluation.plots import new_figure, save_figure
 
 if TYPE_CHECKING:
@@ -18,6 +18,8 @@ LEAST_M = 0.1
 DASHES = ("-", "-", "-", "--")
 """The papers' two filters for GPS alone lie on each other where no fix is bad."""
 ROW_HEIGHT = 3.6
+MARGIN = 1.04
+"""Room for a mark at the very end."""
 
 
 def plot_growth(growths: Sequence[Growth], path: Path) -> None:
@@ -34,10 +36,11 @@ def plot_growth(growths: Sequence[Growth], path: Path) -> None:
             over = growth.over_distance_p50_m, growth.over_distance_p90_m
             _band(by_distance, growth.distances_m, *over, style)
         by_time.set(ylabel=f"{shown[0].count} outages of {duration_s:g} s: error, m")
-        by_time.set_xlim(0.0, duration_s)
-        by_distance.set_xlim(0.0, max(max(growth.distances_m, default=1.0) for growth in shown))
-        _printed(by_time, by_distance)
-    rows[0, 0].legend(fontsize="small", loc="lower right")
+        by_time.set_xlim(0.0, MARGIN * duration_s)
+        furthest_m = max(max(growth.distances_m, default=1.0) for growth in shown)
+        by_distance.set_xlim(0.0, MARGIN * furthest_m)
+        _printed(by_time, by_distance, furthest_m)
+    rows[0, 1].legend(fontsize="small", loc="lower right")
     rows[-1, 0].set(xlabel="time without GPS, s (lines: median, shaded up to p90)")
     rows[-1, 1].set(xlabel="distance without GPS, m")
     save_figure(figure, path)
@@ -56,11 +59,14 @@ def _band(
     axes.grid(visible=True, alpha=0.3)
 
 
-def _printed(by_time: "Axes", by_distance: "Axes") -> None:
+def _printed(by_time: "Axes", by_distance: "Axes", furthest_m: float) -> None:
     """papers/001's outages, which are cross-track errors, where the axes reach them."""
+    way_m = np.linspace(EVERY_M, furthest_m)
+    label = f"{PAPER}: {PAPER_PCT:g} % (cross-track)"
+    by_distance.plot(way_m, PAPER_PCT / 100.0 * way_m, "k:", label=label)
     errors_m = [each.cross_track_m for each in PAPER_OUTAGES]
     for axes, places in (
         (by_time, [each.duration_s for each in PAPER_OUTAGES]),
         (by_distance, [each.distance_m for each in PAPER_OUTAGES]),
     ):
-        axes.plot(places, errors_m, "k+", ms=8, label=f"{PAPER} (cross-track)")
+        axes.plot(places, errors_m, "k+", ms=8, label=f"{PAPER}: its outages")

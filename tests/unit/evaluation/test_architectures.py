@@ -9,7 +9,7 @@ from rich.console import Console
 from unit.evaluation.drives import START_S, eastwards, off
 from wayline.errors import InputError
 from wayline_cli.stream import Outage
-from wayline_evaluation.architectures import architecture_rows, paper_rows
+from wayline_evaluation.architectures import PAPER_PCT, architecture_rows, paper_rows
 from wayline_evaluation.estimates import Floats
 from wayline_evaluation.growth import Drift, Growth, drift_of, growths
 from wayline_evaluation.outage_study import architectures_of
@@ -135,7 +135,7 @@ def test_papers_001_is_what_its_abstract_says() -> None:
     rows = paper_rows()
     assert [(row.duration_s, row.count) for row in rows] == [(100.0, 3), (200.0, 1)]
     shares_pct = [row.cross_track_pct or 0.0 for row in rows for _ in range(row.count)]
-    assert np.mean(shares_pct) == pytest.approx(5.3, abs=0.06)
+    assert np.mean(shares_pct) == pytest.approx(PAPER_PCT, abs=0.06)
 
 
 def test_the_table_has_a_row_an_architecture_and_the_papers_own() -> None:
