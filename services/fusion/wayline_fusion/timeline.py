@@ -59,12 +59,12 @@ class Timeline(Generic[EventType, State]):
         return True
 
     def _rewind_to(self, t_ns: int) -> list[EventType]:
-        later: list[EventType] = []
+        undone: list[Entry[EventType, State]] = []
         while self._entries and self._entries[-1].event.t_ns > t_ns:
-            entry = self._entries.pop()
-            later.append(entry.event)
-            self._restore(entry.before)
-        return later
+            undone.append(self._entries.pop())
+        if undone:
+            self._restore(undone[-1].before)
+        return [entry.event for entry in undone]
 
     def _push(self, event: EventType) -> None:
         self._entries.append(Entry(event, self._snapshot()))
