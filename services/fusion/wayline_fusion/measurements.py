@@ -56,10 +56,14 @@ def course(x: Floats, course_rad: float, std_rad: float, rate_radps: float) -> M
 
 
 def odometer(x: Floats, speed_mps: float, std_mps: float) -> Measurement:
-    """Wheel speed with sign; true speed = odometer_scale x measured."""
-    speed, scale = float(x[S.SPEED]), float(x[S.ODOMETER_SCALE])
-    by_state = {S.SPEED: 1.0 / scale, S.ODOMETER_SCALE: -speed / scale**2}
-    return _scalar("odometer", speed_mps - speed / scale, by_state, std_mps)
+    """Wheel speed with sign: true speed - odometer_scale x measured = 0.
+
+    Linear in the state, as the derivatives hold only what was measured. Those of the measured
+    speed by the state move with it, and each start and stop would then seem to tell of the scale.
+    """
+    speed, scale = x[S.SPEED], x[S.ODOMETER_SCALE]
+    by_state = {S.SPEED: 1.0, S.ODOMETER_SCALE: -speed_mps}
+    return _scalar("odometer", scale * speed_mps - speed, by_state, scale * std_mps)
 
 
 def still(x: Floats, std_mps: float) -> Measurement:
