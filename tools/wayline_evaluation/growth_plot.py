@@ -18,6 +18,7 @@ LEAST_M = 0.1
 DASHES = ("-", "-", "-", "--")
 """The papers' two filters for GPS alone lie on each other where no fix is bad."""
 ROW_HEIGHT = 3.6
+LEGEND_WIDTH = 6
 MARGIN = 1.04
 """Room for a mark at the very end."""
 
@@ -40,7 +41,8 @@ def plot_growth(growths: Sequence[Growth], path: Path) -> None:
         furthest_m = max(max(growth.distances_m, default=1.0) for growth in shown)
         by_distance.set_xlim(0.0, MARGIN * furthest_m)
         _printed(by_time, by_distance, furthest_m)
-    rows[0, 1].legend(fontsize="small", loc="lower right")
+    handles, labels = rows[0, 1].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize="small", loc="outside upper center", ncols=LEGEND_WIDTH)
     rows[-1, 0].set(xlabel="time without GPS, s (lines: median, shaded up to p90)")
     rows[-1, 1].set(xlabel="distance without GPS, m")
     save_figure(figure, path)
