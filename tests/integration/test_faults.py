@@ -17,10 +17,10 @@ from typing import Any
 import pytest
 
 from builders import START_NS
-from street import ROUTE, VEHICLE, Receiver
+from street import ROUTE, SPEED_MPS, VEHICLE, Receiver
 from wayline.bus import Publishers, open_session
 from wayline.codec import encode
-from wayline.messages import FusionStatus, Gyro, Health, Odometer, Pose
+from wayline.messages import FusionStatus, GpsFix, Gyro, Health, Odometer, Pose
 from wayline_cli.listener import Heard, Listener
 from wayline_cli.live_check import messages_in
 from wayline_cli.local_system import SERVICES, LocalSystem
@@ -98,6 +98,39 @@ def test_sigterm_ends_a_service_and_the_dashboard_shows_it_down_then_up_again(
     running.start(service)
     listener.await_alive(service, timeout_s=WAIT_S)
     await_shown(running, service, True)
+
+
+def test_fusion_stopped_and_started_in_a_tunnel_knows_where_it_is(
+    live_system: Callable[..., LocalSystem],
+) -> None:
+    """After SIGTERM, before any new fix: the bus's history holds the tunnel's empty one."""
+    system = live_system()
+    system.start_router()
+    system.start("fusion")
+    with open_session(system.bus) as session:
+        listener = Listener(session, VEHICLE, HEARD)
+        listener.await_alive("fusion", timeout_s=WAIT_S)
+        receiver = Receiver(session, START_NS)
+        receiver.drive(30)
+        await_pose(listener, receiver.t_ns)
+        receiver.put("gps_fix", encode(GpsFix(t_ns=receiver.t_ns + 1_000_000_000, valid=False)))
+        assert system.stop("fusion") == 0
+        listener.await_alive("fusion", up=False, timeout_s=WAIT_S)
+        stopped = listener.heard("pose")[-1].message
+        assert isinstance(stopped, Pose)
+        system.start("fusion")
+        listener.await_alive("fusion", timeout_s=WAIT_S)
+        wheels = Odometer(t_ns=receiver.t_ns + 2_000_000_000, speed_mps=SPEED_MPS)
+        receiver.put("odometer", encode(wheels))
+        started = await_pose(listener, receiver.t_ns + 2_000_000_000)
+        receiver.close()
+        listener.close()
+    assert started.mode == "dead_reckoning"
+    assert stopped.lat_deg is not None
+    driven_m = SPEED_MPS * (started.t_ns - stopped.t_ns) * 1e-9
+    assert started.lat_deg == pytest.approx(stopped.lat_deg + driven_m / 111_300.0, abs=3e-5)
+    assert started.heading_std_deg is not None
+    assert started.heading_std_deg < 30.0
 
 
 def test_sigterm_ends_the_dashboard(running: LocalSystem, listener: Listener) -> None:

@@ -4,7 +4,7 @@ from wayline.tuning import Tuning
 from wayline_fusion.events import GyroRestarted
 from wayline_fusion.loose import Loose
 from wayline_fusion.records import Saved
-from wayline_fusion.restart import kept, resumed
+from wayline_fusion.restart import is_after, kept, resumed
 from wayline_fusion.save_times import SaveTimes, is_silent
 
 
@@ -14,17 +14,28 @@ class Keeper:
     def __init__(self, estimator: Loose, saved: Saved | None, tuning: Tuning) -> None:
         self._estimator, self._tuning = estimator, tuning
         self._saved = saved
-        """Until the first message tells how old it is."""
+        """Until a message tells how old it is."""
+        self._unknowing = estimator.snapshot()
+        self._is_calibrated = False
         self._times = SaveTimes()
         self._kept_temperature_c = saved.calibration.gyro_temperature_c if saved else None
         self._temperature_c: float | None = None
 
     def begin(self, t_ns: int) -> None:
-        """Called with the instant of every message, before the estimator gets it."""
-        saved, self._saved = self._saved, None
-        if saved is not None:
-            estimator = self._estimator
-            estimator.restore(resumed(saved, estimator.snapshot(), t_ns, self._tuning))
+        """Called with the instant of every message, before the estimator gets it.
+
+        The bus's history may begin with messages of before the restart: they are calibrated, and
+        if they do not tell where the vehicle is, the first one of later is placed.
+        """
+        saved = self._saved
+        if saved is None:
+            return
+        is_later = is_after(saved, t_ns)
+        if is_later:
+            self._saved = None
+        if not (self._is_calibrated and (self._estimator.located or not is_later)):
+            self._is_calibrated = True
+            self._estimator.restore(resumed(saved, self._unknowing, t_ns, self._tuning))
 
     def take_temperature(self, t_ns: int, temperature_c: float) -> GyroRestarted | None:
         """Of the gyro; the first one says how far what was kept of its bias still holds."""

@@ -85,14 +85,19 @@ def resumed(saved: Saved, fresh: Snapshot, t_ns: int, tuning: Tuning) -> Snapsho
     the calibration is taken as it is, and the pose, of a later time, is not taken.
     """
     calibrated = _calibrated(saved, fresh, t_ns, tuning)
-    off_s = (t_ns - saved.t_ns) * 1e-9
-    if saved.pose is None or off_s < -CLOCK_SLACK_S:
+    if saved.pose is None or not is_after(saved, t_ns):
         return calibrated
-    pose = _aged_pose(saved.pose, max(off_s, 0.0), tuning)
+    off_s = max(t_ns - saved.t_ns, 0) * 1e-9
+    pose = _aged_pose(saved.pose, off_s, tuning)
     std_m = max(pose.east_std_m, pose.north_std_m)
     if std_m > USEFUL_STD_M or pose.heading_std_deg > USEFUL_STD_DEG:
         return calibrated
-    return _placed(pose, calibrated, max(off_s, 0.0))
+    return _placed(pose, calibrated, off_s)
+
+
+def is_after(saved: Saved, t_ns: int) -> bool:
+    """Whether an instant is later than what was kept, as late as one can tell."""
+    return (t_ns - saved.t_ns) * 1e-9 >= -CLOCK_SLACK_S
 
 
 def _calibrated(saved: Saved, fresh: Snapshot, t_ns: int, tuning: Tuning) -> Snapshot:

@@ -174,6 +174,19 @@ def test_what_is_kept_is_what_was_known() -> None:
     assert pose.fix_ns == about(saved.t_ns, 2e9)
 
 
+def test_messages_of_before_the_restart_do_not_hide_what_was_kept() -> None:
+    """A subscriber that comes back may first get the last fix again."""
+    messages = list(heard(parked_town, truth_of(parked_town, 315.0), SENSORS))
+    history = next(m for m in reversed(messages[:-300]) if isinstance(m, GpsFix))
+    wheels: list[Message] = [odometer(315.0 + k / 10, 0.0) for k in range(20)]
+    for before in (history, GpsFix(t_ns=history.t_ns, valid=False)):
+        outputs, _ = run([before, *wheels], learned())
+        assert {pose.mode for pose in only(outputs, Pose) if pose.t_ns > at(315.0)} == {
+            "dead_reckoning"
+        }
+        assert only(outputs, FusionStatus)[-1].calibration == "calibrated"
+
+
 def test_nothing_of_the_calibration_is_lost_between_two_runs() -> None:
     """A second of gyro changes nothing but what switching on does to the bias."""
     saved = learned()
