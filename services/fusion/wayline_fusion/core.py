@@ -129,7 +129,7 @@ class FusionCore:
         sensor, t_ns = SENSORS[type(message)], self._clock_steps.newest_ns
         if t_ns - self._refused_ns.get(sensor, 0) >= SECOND_NS:
             self._refused_ns[sensor] = t_ns
-            self._verdicts.append(refused(sensor, t_ns, reason))
+            self._verdicts.append(refused(sensor, message.t_ns, reason))
         return True
 
     def _gyro(self, gyro: Gyro) -> None:

@@ -44,7 +44,8 @@ def _page(vehicle_id: str, zoom: float) -> rrb.Container:
         rrb.StateTimelineView(
             origin=f"{root}/states", name="states", time_ranges=_WINDOW, time_view=_AXIS
         ),
-        row_shares=[3, 2],
+        rrb.TextLogView(origin=f"{root}/reasons", name="why rejected"),
+        row_shares=[5, 3, 2],
     )
     right = rrb.Vertical(
         _plot(root, "speed", "speed, m/s"),

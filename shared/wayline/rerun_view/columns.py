@@ -36,6 +36,10 @@ def _lines(rows: Sequence[Line]) -> rr.ComponentColumnList:
     return rr.GeoLineStrings.columns(line_strings=list(rows))
 
 
+def _texts(rows: Sequence[str]) -> rr.ComponentColumnList:
+    return rr.TextLog.columns(text=rows)
+
+
 class _Column(NamedTuple):
     encode: Encode
     times_ns: list[int]
@@ -61,6 +65,10 @@ class Columns:
     def state(self, path: str, t_ns: int, state: str) -> None:
         """The state that begins."""
         self._add(path, _states, t_ns, state)
+
+    def text(self, path: str, t_ns: int, text: str) -> None:
+        """A line of a log."""
+        self._add(path, _texts, t_ns, text)
 
     def point(self, path: str, t_ns: int, lat_deg: float, lon_deg: float) -> None:
         """A point on the map."""

@@ -160,14 +160,19 @@ class RerunView:
 
     def _take_verdict(self, verdict: Verdict) -> None:
         root = f"innovations/{verdict.sensor}"
-        self._columns.scalars(f"{root}/nis", verdict.t_ns, verdict.nis)
-        self._columns.scalars(f"{root}/gate", verdict.t_ns, verdict.threshold)
+        # what was refused before it reached the gate has no threshold
+        if verdict.threshold > 0.0:
+            self._columns.scalars(f"{root}/nis", verdict.t_ns, verdict.nis)
+            self._columns.scalars(f"{root}/gate", verdict.t_ns, verdict.threshold)
+        if verdict.reason:
+            self._columns.text(f"reasons/{verdict.sensor}", verdict.t_ns, reason_of(verdict))
         self._judged_ns[verdict.sensor] = verdict.t_ns
         word = "accepted" if verdict.accepted else "rejected"
         self._state(f"states/verdict/{verdict.sensor}", verdict.t_ns, word)
         if verdict.accepted:
             return
-        self._columns.scalars(f"{root}/rejected", verdict.t_ns, verdict.nis)
+        if verdict.threshold > 0.0:
+            self._columns.scalars(f"{root}/rejected", verdict.t_ns, verdict.nis)
         place = self._fixes.get(verdict.t_ns)
         if place is not None:
             self._columns.point("map/rejected", verdict.t_ns, *place)
@@ -199,6 +204,13 @@ class RerunView:
         if self._states.get(path) != state:
             self._states[path] = state
             self._columns.state(path, t_ns, state)
+
+
+def reason_of(verdict: Verdict) -> str:
+    """Why a measurement was rejected, or what is to be known of an accepted one, in a line."""
+    word = "accepted" if verdict.accepted else "rejected"
+    figures = f" (NIS {verdict.nis:.1f}, gate {verdict.threshold:.1f})" if verdict.threshold else ""
+    return f"{verdict.sensor} {word}{figures}: {verdict.reason}"
 
 
 _TAKERS: dict[type[Message], Callable[[RerunView, Any, str], None]] = {

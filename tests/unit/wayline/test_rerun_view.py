@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from rerun.chunk import RrdReader
@@ -127,6 +128,27 @@ def test_a_rejected_fix_is_marked_where_it_was(record: Record) -> None:
     assert rows["/bus-7/innovations/gps_position/rejected"] == [(at(2), [99.0])]
     states = rows["/bus-7/states/verdict/gps_position"]
     assert states == [(at(1), ["accepted"]), (at(2), ["rejected"])]
+
+
+def test_every_rejection_says_why(record: Record) -> None:
+    """In words, with what was compared; of a reading refused before its gate only in words."""
+    far = Verdict(
+        sensor="gps_position", t_ns=at(1), accepted=False, nis=99.0, threshold=18.4, reason="far"
+    )
+    frozen = msgspec.structs.replace(far, t_ns=at(2), nis=0.0, threshold=0.0, reason="frozen")
+    rows = record(
+        [
+            fix(2, LAT_DEG, LON_DEG),
+            judged(0, accepted=True),
+            FusionStatus(t_ns=at(2), verdicts=(far, frozen)),
+        ]
+    )
+    assert rows["/bus-7/reasons/gps_position"] == [
+        (at(1), ["gps_position rejected (NIS 99.0, gate 18.4): far"]),
+        (at(2), ["gps_position rejected: frozen"]),
+    ]
+    assert [t_ns for t_ns, _ in rows["/bus-7/innovations/gps_position/nis"]] == [at(0), at(1)]
+    assert [t_ns for t_ns, _ in rows["/bus-7/map/rejected"]] == [at(2)]
 
 
 def test_a_sensor_without_verdicts_falls_silent(record: Record) -> None:
