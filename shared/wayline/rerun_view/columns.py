@@ -4,7 +4,7 @@ A call of `log` costs Rerun about 100 us whatever it holds; a column of a thousa
 hardly more, so rows wait for `batch_s` of measurement time.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from wayline.rerun_view.styles import style_of
 TIMELINE = "measurement_time"
 """Every row lies on it: `t_ns` as a timestamp."""
 
-Encode = Callable[[Sequence[Any]], Iterable[rr.ComponentColumn]]
+Encode = Callable[[Sequence[Any]], rr.ComponentColumnList]
 
 
 def _scalars(rows: Sequence[tuple[float, ...]]) -> rr.ComponentColumnList:
@@ -30,14 +30,6 @@ def _states(rows: Sequence[str]) -> rr.ComponentColumnList:
 
 def _points(rows: Sequence[tuple[float, float]]) -> rr.ComponentColumnList:
     return rr.GeoPoints.columns(positions=np.array(rows, dtype=np.float64))
-
-
-def _reasoned_points(
-    rows: Sequence[tuple[tuple[float, float], str]],
-) -> list[rr.ComponentColumn]:
-    """Points that tell their reason when the mouse is on them."""
-    places, reasons = zip(*rows, strict=True)
-    return [*_points(places), *rr.AnyValues.columns(reason=list(reasons))]
 
 
 def _lines(rows: Sequence[Line]) -> rr.ComponentColumnList:
@@ -81,12 +73,6 @@ class Columns:
     def point(self, path: str, t_ns: int, lat_deg: float, lon_deg: float) -> None:
         """A point on the map."""
         self._add(path, _points, t_ns, (lat_deg, lon_deg))
-
-    def reasoned_point(
-        self, path: str, t_ns: int, place_deg: tuple[float, float], reason: str
-    ) -> None:
-        """A point on the map with a reason why it is there."""
-        self._add(path, _reasoned_points, t_ns, (place_deg, reason))
 
     def line(self, path: str, t_ns: int, line: Line) -> None:
         """A line on the map."""

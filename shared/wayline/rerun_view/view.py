@@ -175,8 +175,7 @@ class RerunView:
             self._columns.scalars(f"{root}/rejected", verdict.t_ns, verdict.nis)
         place = self._fixes.get(verdict.t_ns)
         if place is not None:
-            why = reason_of(verdict)
-            self._columns.reasoned_point("map/rejected", verdict.t_ns, place, why)
+            self._columns.point("map/rejected", verdict.t_ns, *place)
 
     def _take_progress(self, progress: Progress, source: str) -> None:
         del source
