@@ -2,12 +2,12 @@
 
 import pytest
 
-from builders import fix, gyro, odometer, only, run_core
+from builders import at, fix, gyro, odometer, only, run_core
 from unit.fusion.drives import ORIGIN
-from wayline.messages import FusionStatus, GpsFix, Message
+from wayline.messages import Barometer, FusionStatus, GpsFix, Message
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
-from wayline_fusion.plausibility import Plausibility
+from wayline_fusion.plausibility import Plausibility, within_reason
 
 FROZEN = "the receiver repeats a position that the vehicle has left"
 
@@ -87,3 +87,29 @@ def test_refusals_are_counted_each_and_told_once_a_second() -> None:
     assert len(told) == 5
     assert statuses[-1].rejected > 300
     assert {verdict.reason for verdict in told} == {"no vehicle turns so fast"}
+
+
+def test_a_receiver_is_neither_certain_nor_beyond_use() -> None:
+    """Stds of 1e-30 or 1e300 would end in certainty for ever, or in an overflow."""
+    claimed = still_fix(0.0, h_std_m=1e300, speed_std_mps=1e-30, hdop=1e300, alt_m=-1e16)
+    used = within_reason(claimed)
+    assert (used.h_std_m, used.speed_std_mps, used.hdop, used.alt_m) == (1e4, 1e-2, 100.0, None)
+    ordinary = still_fix(0.0, h_std_m=3.0, speed_std_mps=0.1, hdop=1.2, alt_m=80.0)
+    assert within_reason(ordinary) == ordinary
+
+
+@pytest.mark.parametrize("what", ["h_std_m", "speed_std_mps", "course_std_deg", "v_std_m"])
+@pytest.mark.parametrize("value", [1e-300, 1e300])
+def test_absurd_stds_do_no_harm(what: str, value: float) -> None:
+    messages: list[Message] = []
+    for second in range(5):
+        absurd = {"speed_mps": 10.0, "course_deg": 0.0, "alt_m": 50.0, what: value}
+        messages += [odometer(second, 10.0), fix(second, 56.0 + 9e-5 * second, 10.0, **absurd)]
+    statuses = only(run_core(FusionCore(Tuning()), messages), FusionStatus)
+    assert not [v for status in statuses for v in status.verdicts if v.sensor == "filter"]
+
+
+@pytest.mark.parametrize(("pressure_pa", "refused"), [(101_325.0, False), (5e299, True)])
+def test_air_is_refused_that_no_road_has(pressure_pa: float, refused: bool) -> None:
+    (reason,) = refusals([Barometer(t_ns=at(0), pressure_pa=pressure_pa)])
+    assert (reason is not None) is refused
