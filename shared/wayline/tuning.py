@@ -25,7 +25,7 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """User-equivalent range error: a std is this times the dilution of precision."""
     gps_position_std_m: Positive = 4.0
     """Per axis, for a receiver that reports neither std nor HDOP."""
-    gps_position_std_floor_m: Positive = 1.5
+    gps_position_std_floor_m: Positive = 2.0
     """Receivers claim less than they deliver."""
     gps_vertical_factor: Positive = 2.0
     """Altitude is this much worse than a horizontal axis where nothing else is known."""
@@ -64,7 +64,7 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Measurements up to this late are applied at their own time."""
     gps_error_time_s: Positive = 120.0
     """Correlation time of a receiver's position error: satellites and air change in minutes."""
-    gps_error_share: Probability = 0.95
+    gps_error_share: Probability = 0.9
     """Share of a fix's variance that varies slowly; the rest is white."""
     gps_speed_std_mps: Positive = 0.1
     """Doppler per axis at a dilution of 1, of a receiver that reports no std; then learned."""

@@ -292,12 +292,10 @@ class Estimator:
             self._locked_out(fix, (east_m, north_m), measurement, nis, unaided_s)
             return
         self.filter.correct(measurement)
-        noise = memory.position_noise
-        if self.wheels_fresh:
-            square = 0.5 * float(measurement.y @ measurement.y)
-            noise = noise.learned(
-                square, 0.5 * float(np.trace(expected)), claimed_m2, POSITION_FACTOR_MIN
-            )
+        square = 0.5 * float(measurement.y @ measurement.y)
+        noise = memory.position_noise.learned(
+            square, 0.5 * float(np.trace(expected)), claimed_m2, POSITION_FACTOR_MIN
+        )
         self._remember(accepted_fix_ns=fix.t_ns, lockout=None, position_noise=noise)
 
     def _position_verdict(self, t_ns: int, nis: float, unaided_s: float) -> Verdict:
@@ -336,12 +334,15 @@ class Estimator:
         measurement = measurements.gps_speed(self.filter.x, speed_mps, std_mps)
         expected = self.filter.expected(measurement)
         since_ns = memory.speed_rejected_since_ns
-        if _has_lasted(since_ns, fix.t_ns, tuning.speed_relock_after_s):
+        if self.wheels_fresh and _has_lasted(since_ns, fix.t_ns, tuning.speed_relock_after_s):
             self._strayed(float(measurement.y[0]), since_ns, fix.t_ns)
             # other tyres, or a speed in another unit
             self.filter.doubt(States.ODOMETER_SCALE, SCALE_UNKNOWN)
             self.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
             self._tell("odometer", fix.t_ns, "another scale for long; learned anew")
+        elif since_ns is not None and not self.wheels_fresh:
+            # two in a row, and nothing else tells the speed: the vehicle braked hard
+            self.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
         is_accepted = self._gated(measurement, fix.t_ns)
         noise = memory.velocity_noise
         if self.wheels_fresh and speed_mps >= tuning.course_speed_min_mps:

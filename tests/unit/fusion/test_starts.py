@@ -165,3 +165,18 @@ def test_wheels_alone_do_not_tell_their_own_scale() -> None:
     statuses = only(run_core(FusionCore(Tuning()), messages), FusionStatus)
     assert statuses[-1].odometer_scale == about(1.0, 0.005)
     assert statuses[-1].odometer_scale_std > 0.95 * statuses[0].odometer_scale_std
+
+
+def test_without_wheels_hard_braking_is_followed_from_the_second_fix_on() -> None:
+    def motion(seconds: float) -> tuple[float, float]:
+        return (20.0 if seconds < 60.0 else max(20.0 - 8.0 * (seconds - 60.0), 4.0), 0.0)
+
+    truths = truth_of(motion, 70.0)
+    messages = [
+        message
+        for message in messages_of(motion, truths, Sensors(gps_noise_m=0.5))
+        if message.topic == "gps_fix"
+    ]
+    poses = only(run_core(FusionCore(Tuning()), messages), Pose)
+    after = next(pose for pose in poses if pose.t_ns >= at(62.9))
+    assert after.speed_mps == about(4.0, 0.5)
