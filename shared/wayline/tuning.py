@@ -80,8 +80,8 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Course is noise at a crawl."""
     heading_start_std_deg: Positive = 20.0
     """The first course that sets the heading may be taken in a turn."""
-    position_noise_m_per_sqrt_s: Positive = 0.1
-    """Side slip and what the model leaves out."""
+    position_noise_m_per_sqrt_s: Positive = 0.15
+    """Side slip, a course that is cut to tenths of a degree, what the model leaves out."""
     acceleration_noise_mps_per_sqrt_s: Positive = 1.5
     """Cars change speed by this much in a second."""
     gyro_noise_deg_per_sqrt_s: Positive = 0.01

@@ -36,6 +36,10 @@ REST_CORRELATION_S = 10.0
 SPEED_UNKNOWN_MPS = 40.0
 POSITION_FACTOR_MIN = 1.0
 """Reflections in ordinary streets move fixes by metres at once, then not at all for a while."""
+SLOW_FACTOR_POWER = 0.4
+"""Of the white variance's factor, on the slow std: nearly as many decibels."""
+SAME_ERROR_RATIO = 0.7
+"""Of two claimed stds; a satellite more or less changes them by less."""
 VELOCITY_FACTOR_MIN = 0.3
 SCALE_UNKNOWN = 0.2
 BIAS_DOUBT_FACTOR = 3.0
@@ -281,6 +285,9 @@ class Estimator:
             return
         slow_std_m = self.filter.slow_std_m(fix.position_std_m)
         claimed_m2 = fix.position_std_m**2 - slow_std_m**2
+        # where white noise is more than claimed, what is slow is too
+        slow_std_m *= memory.position_noise.factor**SLOW_FACTOR_POWER
+        self._renew_fixes_error(slow_std_m)
         white_std_m = math.sqrt(memory.position_noise.factor * claimed_m2)
         measurement = measurements.position(self.filter.x, east_m, north_m, slow_std_m, white_std_m)
         expected = self.filter.expected(measurement)
@@ -297,6 +304,15 @@ class Estimator:
             square, 0.5 * float(np.trace(expected)), claimed_m2, POSITION_FACTOR_MIN
         )
         self._remember(accepted_fix_ns=fix.t_ns, lockout=None, position_noise=noise)
+
+    def _renew_fixes_error(self, slow_std_m: float) -> None:
+        """Other satellites, or a receiver that has settled, make another error."""
+        known_m = self.memory.slow_std_m or slow_std_m
+        kept = min(slow_std_m, known_m) / max(slow_std_m, known_m)
+        if kept < SAME_ERROR_RATIO:
+            self.filter.renew_fixes_error(kept)
+        if kept < SAME_ERROR_RATIO or self.memory.slow_std_m is None:
+            self._remember(slow_std_m=slow_std_m)
 
     def _position_verdict(self, t_ns: int, nis: float, unaided_s: float) -> Verdict:
         """After a long outage a position that is none too likely waits until others confirm it."""

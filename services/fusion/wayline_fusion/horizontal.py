@@ -146,6 +146,15 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
             self.P[error, error] = shared_m2 / slow_std_m**2
             self.P[axis, error] = self.P[error, axis] = -shared_m2 / slow_std_m
 
+    def renew_fixes_error(self, kept: float) -> None:
+        """Let only a part of the fixes' slow error go on, and a new one come."""
+        self.x, self.P = self.x.copy(), self.P.copy()
+        for error in (S.GPS_EAST, S.GPS_NORTH):
+            self.x[error] *= kept
+            self.P[error, :] *= kept
+            self.P[:, error] *= kept
+            self.P[error, error] += 1.0 - kept**2
+
     def turn_to(self, heading_rad: float, std_rad: float) -> None:
         """Set the heading, forgetting what it was."""
         self.x, self.P = self.x.copy(), self.P.copy()

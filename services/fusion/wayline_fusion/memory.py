@@ -22,6 +22,8 @@ class Memory(msgspec.Struct, frozen=True):
     placed_ns: int | None = None
     """When the position was last set to a fix, not corrected with one."""
     accepted_fix_ns: int | None = None
+    slow_std_m: float | None = None
+    """Of the fixes' slow error when that was last renewed."""
     position_unconfirmed: bool = False
     """As it was before a restart, and no fix has told since; so with the heading."""
     heading_unconfirmed: bool = False
