@@ -1,0 +1,123 @@
+"""Pure: speed and course of fixes, and what they teach of gyro and receiver."""
+
+import math
+
+from wayline_fusion import measurements
+from wayline_fusion.bias_wander import Walk
+from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate, has_lasted, since
+from wayline_fusion.events import Fix
+from wayline_fusion.measurements import Measurement
+from wayline_fusion.states import States
+
+VELOCITY_FACTOR_MIN = 0.3
+SCALE_UNKNOWN = 0.2
+BIAS_DOUBT_FACTOR = 3.0
+"""A course that had to be set says that the bias is known less well than it seemed; once more, and
+again so."""
+
+
+def take_speed(estimate: Estimate, fix: Fix, speed_mps: float) -> None:
+    """Correct the speed, and learn how noisy the receiver's Doppler is."""
+    memory, tuning = estimate.memory, estimate.tuning
+    std_mps = fix.speed_std_mps * math.sqrt(memory.velocity_noise.factor)
+    measurement = measurements.gps_speed(estimate.filter.x, speed_mps, std_mps)
+    expected = estimate.filter.expected(measurement)
+    since_ns = memory.speed_rejected_since_ns
+    if estimate.wheels_fresh and has_lasted(since_ns, fix.t_ns, tuning.speed_relock_after_s):
+        estimate.strayed(float(measurement.y[0]), since_ns, fix.t_ns)
+        # other tyres, or a speed in another unit
+        estimate.filter.doubt(States.ODOMETER_SCALE, SCALE_UNKNOWN)
+        estimate.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
+        estimate.tell("odometer", fix.t_ns, "another scale for long; learned anew")
+    elif since_ns is not None and not estimate.wheels_fresh:
+        # two in a row, and nothing else tells the speed: the vehicle braked hard
+        estimate.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
+    is_accepted = estimate.gated(measurement, fix.t_ns)
+    noise = memory.velocity_noise
+    if estimate.wheels_fresh and speed_mps >= tuning.course_speed_min_mps:
+        square = float(measurement.y[0]) ** 2
+        noise = noise.learned(
+            square, float(expected[0, 0]), fix.speed_std_mps**2, VELOCITY_FACTOR_MIN
+        )
+    estimate.remember(
+        velocity_noise=noise,
+        speed_rejected_since_ns=since(is_accepted, since_ns, fix.t_ns),
+    )
+
+
+def take_course(estimate: Estimate, fix: Fix, speed_mps: float) -> None:
+    """Correct the heading with a course, or start from it; a crawl has none worth it."""
+    tuning = estimate.tuning
+    if fix.course_rad is None or speed_mps < tuning.course_speed_min_mps:
+        return
+    rate_radps = estimate.gyro.rate_radps(fix.t_ns)
+    rate_radps = (
+        0.0 if rate_radps is None else rate_radps - float(estimate.filter.x[States.GYRO_BIAS])
+    )
+    std_rad = _course_std_rad(estimate, fix, speed_mps, rate_radps)
+    backwards_rad = math.pi if estimate.filter.x[States.SPEED] < 0.0 else 0.0
+    since_ns = estimate.memory.course_rejected_since_ns
+    is_locked = has_lasted(since_ns, fix.t_ns, tuning.course_relock_after_s)
+    if not estimate.memory.heading_known or is_locked:
+        start_rad = max(std_rad, math.radians(tuning.heading_start_std_deg))
+        off_rad = fix.course_rad + backwards_rad - float(estimate.filter.x[States.HEADING])
+        estimate.filter.turn_to(fix.course_rad + backwards_rad, start_rad)
+        estimate.remember(heading_known=True, course_rejected_since_ns=None)
+        if is_locked:
+            estimate.strayed(2.0 * speed_mps * math.sin(0.5 * off_rad), since_ns, fix.t_ns)
+            bias_std = BIAS_DOUBT_FACTOR * estimate.filter.std(States.GYRO_BIAS)
+            most = math.radians(tuning.gyro_bias_initial_std_degps)
+            estimate.filter.doubt(States.GYRO_BIAS, min(bias_std, most))
+            estimate.tell("gps_course", fix.t_ns, "another heading for long; set to the course")
+        return
+    measurement = measurements.course(estimate.filter.x, fix.course_rad, std_rad, rate_radps)
+    _learn_doppler(estimate, fix, speed_mps, measurement)
+    is_accepted = estimate.gated(measurement, fix.t_ns)
+    estimate.remember(course_rejected_since_ns=since(is_accepted, since_ns, fix.t_ns))
+    if is_accepted:
+        _learn_wander(estimate, fix.t_ns, fix.course_rad + backwards_rad, std_rad)
+
+
+def _learn_wander(estimate: Estimate, t_ns: int, course_rad: float, std_rad: float) -> None:
+    """Of the gyro's bias, from the heading that a fix tells."""
+    memory, tuning, kalman = estimate.memory, estimate.tuning, estimate.filter
+    turn_rad = estimate.gyro.angle_rad(t_ns)
+    if turn_rad is None:
+        estimate.remember(wander=memory.wander.forgotten())
+        return
+    walk = Walk(
+        math.radians(tuning.gyro_bias_walk_degps_per_sqrt_s),
+        estimate.driving_noise().turn_rad_per_sqrt_s,
+        float(kalman.x[States.GYRO_BIAS]),
+        float(kalman.x[States.GYRO_SCALE]),
+        kalman.std(States.GYRO_SCALE),
+    )
+    estimate.remember(wander=memory.wander.noticed(t_ns, course_rad, std_rad, turn_rad, walk))
+
+
+def _learn_doppler(
+    estimate: Estimate, fix: Fix, speed_mps: float, measurement: Measurement
+) -> None:
+    """Across the direction of travel Doppler is as noisy as along it."""
+    if fix.course_std_rad is not None or not estimate.gyro.covers(fix.t_ns):
+        return
+    claimed = (fix.speed_std_mps / speed_mps) ** 2
+    noise = estimate.memory.velocity_noise
+    other = float(measurement.R[0, 0]) - noise.factor * claimed
+    estimate.remember(
+        velocity_noise=noise.learned(
+            float(measurement.y[0]) ** 2,
+            float(estimate.filter.expected(measurement)[0, 0]) + other,
+            claimed,
+            VELOCITY_FACTOR_MIN,
+        )
+    )
+
+
+def _course_std_rad(estimate: Estimate, fix: Fix, speed_mps: float, rate_radps: float) -> float:
+    """Doppler across the direction of travel, mounting, and what turning adds."""
+    tuning = estimate.tuning
+    noise = math.sqrt(estimate.memory.velocity_noise.factor)
+    doppler_rad = fix.course_std_rad or fix.speed_std_mps * noise / speed_mps
+    turning_rad = rate_radps * (tuning.antenna_lever_m / speed_mps + tuning.gps_time_std_s)
+    return math.hypot(doppler_rad, math.radians(tuning.gps_course_std_deg), turning_rad)
