@@ -154,7 +154,7 @@ def received(path: Path) -> int:
         return 0
     try:
         return sum(rows_by_entity(path).values())
-    except ValueError:  # the program has begun the file but not the recording in it
+    except (ValueError, RuntimeError):  # the program is in the middle of writing it
         return 0
 
 

@@ -14,6 +14,9 @@ from wayline.tuning import Tuning
 AGREEING_M = 10.0
 AGREEING_STDS = 4.0
 """Rejected fixes agree when they are displaced alike, to so many metres or stds."""
+AGREEING_SHARE = 0.5
+"""Rejected courses agree when none is off by less than this share of the one before; while the
+heading is wrong and the vehicle turns they may be off by more."""
 FORGOTTEN_AFTER_S = 10.0
 """A rejected fix tells nothing of one that comes so much later."""
 
@@ -51,6 +54,29 @@ def rejected(
     is_like = moved_m <= max(AGREEING_M, AGREEING_STDS * std_m)
     since_ns = before.since_ns if is_like else t_ns
     return Lockout(since_ns, t_ns, east_m, north_m, before.unaided_s)
+
+
+class CourseLockout(msgspec.Struct, frozen=True):
+    """Rejected courses that agree with each other in how far they are off."""
+
+    since_ns: int
+    last_ns: int
+    off_rad: float
+    """Course minus heading of the last one."""
+
+    @property
+    def agreed_s(self) -> float:
+        """How long they have agreed."""
+        return (self.last_ns - self.since_ns) * 1e-9
+
+
+def course_rejected(before: CourseLockout | None, t_ns: int, off_rad: float) -> CourseLockout:
+    """After one more rejected course; noise is off to both sides, now more and now less."""
+    if before is None or t_ns - before.last_ns > FORGOTTEN_AFTER_S * 1e9:
+        return CourseLockout(t_ns, t_ns, off_rad)
+    to_one_side = off_rad * before.off_rad > 0.0
+    is_like = to_one_side and abs(off_rad) >= AGREEING_SHARE * abs(before.off_rad)
+    return CourseLockout(before.since_ns if is_like else t_ns, t_ns, off_rad)
 
 
 def patience_s(lockout: Lockout, supported_s: float, tuning: Tuning, *, is_likely: bool) -> float:

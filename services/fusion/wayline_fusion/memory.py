@@ -4,7 +4,7 @@ import msgspec
 
 from wayline.geo import LocalPlane
 from wayline_fusion.bias_wander import BiasWander
-from wayline_fusion.lockout import Lockout
+from wayline_fusion.lockout import CourseLockout, Lockout
 from wayline_fusion.noise_scale import NoiseScale
 
 
@@ -28,7 +28,7 @@ class Memory(msgspec.Struct, frozen=True):
     """As it was before a restart, and no fix has told since; so with the heading."""
     heading_unconfirmed: bool = False
     lockout: Lockout | None = None
-    course_rejected_since_ns: int | None = None
+    course_lockout: CourseLockout | None = None
     speed_rejected_since_ns: int | None = None
     still_rate_rejected_since_ns: int | None = None
     position_noise: NoiseScale = NoiseScale()

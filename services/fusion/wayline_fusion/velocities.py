@@ -6,6 +6,7 @@ from wayline_fusion import measurements
 from wayline_fusion.bias_wander import Walk
 from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate, has_lasted, since
 from wayline_fusion.events import Fix
+from wayline_fusion.lockout import course_rejected
 from wayline_fusion.measurements import Measurement
 from wayline_fusion.states import States
 
@@ -56,26 +57,36 @@ def take_course(estimate: Estimate, fix: Fix, speed_mps: float) -> None:
     )
     std_rad = _course_std_rad(estimate, fix, speed_mps, rate_radps)
     backwards_rad = math.pi if estimate.filter.x[States.SPEED] < 0.0 else 0.0
-    since_ns = estimate.memory.course_rejected_since_ns
-    is_locked = has_lasted(since_ns, fix.t_ns, tuning.course_relock_after_s)
-    if not estimate.memory.heading_known or is_locked:
+    if not estimate.memory.heading_known:
         start_rad = max(std_rad, math.radians(tuning.heading_start_std_deg))
-        off_rad = fix.course_rad + backwards_rad - float(estimate.filter.x[States.HEADING])
         estimate.filter.turn_to(fix.course_rad + backwards_rad, start_rad)
-        estimate.remember(heading_known=True, course_rejected_since_ns=None)
-        if is_locked:
-            estimate.strayed(2.0 * speed_mps * math.sin(0.5 * off_rad), since_ns, fix.t_ns)
-            bias_std = BIAS_DOUBT_FACTOR * estimate.filter.std(States.GYRO_BIAS)
-            most = math.radians(tuning.gyro_bias_initial_std_degps)
-            estimate.filter.doubt(States.GYRO_BIAS, min(bias_std, most))
-            estimate.tell("gps_course", fix.t_ns, "another heading for long; set to the course")
+        estimate.remember(heading_known=True)
         return
     measurement = measurements.course(estimate.filter.x, fix.course_rad, std_rad, rate_radps)
     _learn_doppler(estimate, fix, speed_mps, measurement)
-    is_accepted = estimate.gated(measurement, fix.t_ns)
-    estimate.remember(course_rejected_since_ns=since(is_accepted, since_ns, fix.t_ns))
-    if is_accepted:
+    if estimate.gated(measurement, fix.t_ns):
+        estimate.remember(course_lockout=None)
         _learn_wander(estimate, fix.t_ns, fix.course_rad + backwards_rad, std_rad)
+        return
+    off_rad = float(measurement.y[0])
+    lockout = course_rejected(estimate.memory.course_lockout, fix.t_ns, off_rad)
+    estimate.remember(course_lockout=lockout)
+    if lockout.agreed_s >= tuning.course_relock_after_s:
+        _turn_to_course(estimate, fix, off_rad, lockout.since_ns)
+
+
+def _turn_to_course(estimate: Estimate, fix: Fix, off_rad: float, since_ns: int) -> None:
+    """Courses have agreed for long on another heading: it, the way since and the bias are wrong."""
+    kalman, tuning = estimate.filter, estimate.tuning
+    # those that agree differ from each other by up to half of it
+    kalman.turn_to(float(kalman.x[States.HEADING]) + off_rad, 0.5 * abs(off_rad))
+    across_mps = 2.0 * float(kalman.x[States.SPEED]) * math.sin(0.5 * off_rad)
+    estimate.strayed(across_mps, since_ns, fix.t_ns)
+    bias_std = BIAS_DOUBT_FACTOR * kalman.std(States.GYRO_BIAS)
+    most = math.radians(tuning.gyro_bias_initial_std_degps)
+    kalman.doubt(States.GYRO_BIAS, min(bias_std, most))
+    estimate.remember(course_lockout=None)
+    estimate.tell("gps_course", fix.t_ns, "another heading for long; set to the course")
 
 
 def _learn_wander(estimate: Estimate, t_ns: int, course_rad: float, std_rad: float) -> None:
