@@ -20,7 +20,7 @@ from wayline.keys import FLEET, alive_key, message_key, query_key
 from wayline.settings import BusSettings
 
 ZENOH = Path(__file__).parents[2] / "deploy/zenoh"
-WAIT_S = 30.0
+WAIT_S = 10.0
 PASSWORDS = {"bus-1": "one", "bus-2": "two", "_services": "three", "_dashboard": "four"}
 
 Samples = queue.Queue[tuple[str, str]]

@@ -98,12 +98,24 @@ def test_in_outages_it_is_as_wrong_as_it_says(driven: Driven) -> None:
     assert np.nanpercentile(blind.horizontal_m, 95) < 30.0
 
 
-@pytest.mark.parametrize(("sensor", "dimension"), [("gps_position", 2), ("gps_course", 1)])
+@pytest.mark.parametrize(
+    ("sensor", "dimension"),
+    [
+        pytest.param(
+            "gps_position",
+            2,
+            marks=pytest.mark.xfail(
+                strict=True, reason="0.60: the white part is not let below 10 %"
+            ),
+        ),
+        ("gps_course", 1),
+    ],
+)
 def test_innovations_are_as_large_as_expected(driven: Driven, sensor: str, dimension: int) -> None:
-    """The mean of the NIS of accepted measurements, within a factor of four."""
+    """The mean of the NIS of accepted measurements, within a factor of three."""
     nis = driven.nis(sensor)
     assert len(nis) > 1000
-    assert dimension / 4.0 < nis.mean() < dimension * 4.0
+    assert dimension / 3.0 < nis.mean() < dimension * 3.0
 
 
 def test_few_good_measurements_are_rejected(driven: Driven) -> None:

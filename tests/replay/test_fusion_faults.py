@@ -215,7 +215,16 @@ def test_a_gyro_stuck_at_zero_is_found_out_by_the_courses(faulty: Callable[..., 
 
 
 @pytest.mark.parametrize(
-    "silent", [(Gyro,), (Odometer,), (Gyro, Odometer, Barometer)], ids=["gyro", "wheels", "can"]
+    "silent",
+    [
+        pytest.param(
+            (Gyro,),
+            id="gyro",
+            marks=pytest.mark.xfail(strict=True, reason="33 s until within 3 m: wide stds"),
+        ),
+        pytest.param((Odometer,), id="wheels"),
+        pytest.param((Gyro, Odometer, Barometer), id="can"),
+    ],
 )
 def test_a_silent_bus_is_bridged_by_gps(
     faulty: Callable[..., Faulty], silent: tuple[type[Message], ...]
@@ -223,7 +232,7 @@ def test_a_silent_bus_is_bridged_by_gps(
     """20 s: without CAN the mode says so."""
     result = faulty(without(silent, (600.0, 620.0)))
     assert result.apart_m.max() < 10.0
-    assert result.settled_after_s(5.0) < 25.0
+    assert result.settled_after_s(3.0) < 25.0
     if silent == (Gyro, Odometer, Barometer):
         assert "gps" in result.modes(2.0, 20.0)
         assert "fused" not in result.modes(2.0, 20.0)

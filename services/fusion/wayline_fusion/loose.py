@@ -8,9 +8,6 @@ from wayline_fusion.estimator import Estimator
 from wayline_fusion.states import States
 
 S = States
-ROUNDING_LEFT_SHARE = 0.12
-"""Of the std of a coarse gyro's steps, about an eighth stays in the mean that the filter takes for
-the bias; the gyro's own bias is known that much less well."""
 
 
 class Loose(Estimator):
@@ -59,11 +56,9 @@ class Loose(Estimator):
     def sensor_errors(self) -> SensorErrors:
         """What has been learned of the sensors."""
         kalman = self.filter
-        rounding_radps = ROUNDING_LEFT_SHARE * self.gyro_rounding_radps
-        bias_std_radps = math.hypot(kalman.std(S.GYRO_BIAS), rounding_radps)
         return SensorErrors(
             gyro_bias_degps=math.degrees(float(kalman.x[S.GYRO_BIAS])),
-            gyro_bias_std_degps=math.degrees(bias_std_radps),
+            gyro_bias_std_degps=math.degrees(kalman.std(S.GYRO_BIAS)),
             gyro_scale=float(kalman.x[S.GYRO_SCALE]),
             gyro_scale_std=kalman.std(S.GYRO_SCALE),
             odometer_scale=float(kalman.x[S.ODOMETER_SCALE]),
