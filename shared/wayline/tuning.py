@@ -80,14 +80,23 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Course is noise at a crawl."""
     heading_start_std_deg: Positive = 20.0
     """The first course that sets the heading may be taken in a turn."""
-    position_noise_m_per_sqrt_s: Positive = 0.15
-    """Side slip, a course that is cut to tenths of a degree, what the model leaves out."""
+    position_noise_m_per_sqrt_s: Positive = 0.18
+    """Side slip, and what the model leaves out: courses that are cut to tenths of a degree are 2 m
+    off at 20 m/s after two minutes."""
+    acceleration_std_mps2: Positive = 0.7
+    """Of cars under way: 0.4 on main roads, 0.7 in town..."""
+    acceleration_time_s: Positive = 5.0
+    """...for so long. Harder braking is noticed when it happens."""
+    acceleration_max_mps2: Positive = 10.0
+    """Tyres hold no more; wheels that change their speed faster have locked or spin."""
     acceleration_noise_mps_per_sqrt_s: Positive = 1.5
-    """Cars change speed by this much in a second."""
+    """Where no acceleration is estimated, cars change speed by this much in a second."""
     gyro_noise_deg_per_sqrt_s: Positive = 0.01
     """Angle random walk of a MEMS gyro in a vehicle that vibrates, besides its steps."""
     turn_noise_deg_per_sqrt_s: Positive = 10.0
-    """Without a gyro, headings change by this much in a second."""
+    """Without a gyro, headings change by this much in a second..."""
+    lateral_acceleration_std_mps2: Positive = 1.5
+    """...but at speed by no more than this over the speed: curves are driven at up to 3."""
     gyro_bias_initial_std_degps: Positive = 1.0
     """A MEMS gyro from the box."""
     gyro_bias_walk_degps_per_sqrt_s: Positive = 0.0015
@@ -100,7 +109,7 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Speedometers read up to 5 % high, tyres wear 2 %."""
     odometer_scale_walk_per_sqrt_s: Positive = 3e-5
     """Tyres warm up: 0.1 % in 20 minutes."""
-    odometer_std_mps: Positive = 0.1
+    odometer_std_mps: Positive = 0.08
     """Wheel speed besides its rounding."""
     standstill_after_s: Positive = 1.0
     """Wheels that have not turned this long stand; a coarse speed reads 0 at a crawl."""

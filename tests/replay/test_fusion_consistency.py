@@ -100,16 +100,7 @@ def test_in_outages_it_is_as_wrong_as_it_says(driven: Driven) -> None:
 
 @pytest.mark.parametrize(
     ("sensor", "dimension"),
-    [
-        pytest.param(
-            "gps_position",
-            2,
-            marks=pytest.mark.xfail(
-                strict=True, reason="0.60: the white part is not let below 10 %"
-            ),
-        ),
-        ("gps_course", 1),
-    ],
+    [("gps_position", 2), ("gps_course", 1), ("gps_speed", 1)],
 )
 def test_innovations_are_as_large_as_expected(driven: Driven, sensor: str, dimension: int) -> None:
     """The mean of the NIS of accepted measurements, within a factor of three."""

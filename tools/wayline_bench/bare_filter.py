@@ -17,10 +17,10 @@ class BareFilter:
         self._filter = kalman = ExtendedKalmanFilter(dim_x=size, dim_z=1)
         kalman.x = np.zeros(size)
         kalman.F = np.eye(size)
-        kalman.F[States.EAST, States.SPEED] = 0.1
+        kalman.F[States.EAST, States.WHEEL_SPEED] = 0.1
         kalman.Q = 1e-3 * np.eye(size)
         self._H = np.zeros((1, size))
-        self._H[0, States.SPEED] = 1.0
+        self._H[0, States.WHEEL_SPEED] = 1.0
         self._z = np.array([0.5])
 
     def steps(self, count: int, updates: int) -> None:
@@ -33,7 +33,7 @@ class BareFilter:
     @property
     def measured(self) -> float:
         """The state that the measurements are of."""
-        return float(self._filter.x[States.SPEED])
+        return float(self._filter.x[States.WHEEL_SPEED])
 
     def _jacobian(self, _: object) -> np.ndarray:
         return self._H
@@ -50,7 +50,7 @@ class AlgebraAlone:
         self._filter = HorizontalFilter(Tuning())
         self._altitude = KalmanFilter(dim_x=VERTICAL_SIZE, dim_z=1)
         self._H = np.zeros((1, self._filter.dim_x))
-        self._H[0, States.SPEED] = 1.0
+        self._H[0, States.WHEEL_SPEED] = 1.0
         self._z, self._R = np.array([0.5]), np.array([[0.01]])
 
     def steps(self, count: int) -> None:

@@ -82,10 +82,6 @@ class Estimate:
             math.radians(self.tuning.gyro_bias_walk_degps_per_sqrt_s) * self.memory.wander.multiple,
         )
 
-    def strayed(self, off_mps: float, since_ns: int | None, t_ns: int) -> None:
-        """A sensor that is believed again says how fast dead reckoning has gone wrong meanwhile."""
-        self.filter.stray(off_mps * (t_ns - (since_ns or t_ns)) * 1e-9)
-
     def gated(self, measurement: Measurement, t_ns: int, *, is_silent: bool = False) -> bool:
         """Correct with a likely measurement; `is_silent` says so only of an unlikely one."""
         expected = self.filter.expected(measurement)
@@ -104,13 +100,3 @@ class Estimate:
         self.verdicts.append(
             Verdict(sensor=sensor, t_ns=t_ns, accepted=False, nis=0.0, threshold=0.0, reason=reason)
         )
-
-
-def since(is_accepted: bool, since_ns: int | None, t_ns: int) -> int | None:
-    """Since when measurements are rejected without a break, after one more."""
-    return None if is_accepted else since_ns or t_ns
-
-
-def has_lasted(since_ns: int | None, t_ns: int, after_s: float) -> bool:
-    """Whether it began so long ago; not where it has not begun."""
-    return since_ns is not None and t_ns - since_ns >= after_s * 1e9

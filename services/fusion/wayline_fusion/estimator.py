@@ -60,7 +60,7 @@ class Estimator(Estimate):
             bias_std = math.hypot(self.filter.std(States.GYRO_BIAS), drift * event.warmer_c)
             self.filter.doubt(States.GYRO_BIAS, bias_std)
         elif isinstance(event, ClockStep):
-            self.filter.stray(float(self.filter.x[States.SPEED]) * event.step_s)
+            self.filter.stray(self.filter.speed_mps * event.step_s)
         elif self.standing:
             stand_still(self, event)
         if isinstance(event, Step):
@@ -85,8 +85,9 @@ class Estimator(Estimate):
             to_ns = memory.t_ns + (t_ns - memory.t_ns) * (step + 1) // steps
             dt_s = (to_ns - from_ns) * 1e-9
             turn_rad = self.gyro.turned_rad(from_ns, to_ns)
+            speed_mps = self.filter.speed_mps
             self.filter.advance(dt_s, turn_rad, noise, standing=self.standing)
-            distance_m += abs(float(self.filter.x[States.SPEED])) * dt_s
+            distance_m += 0.5 * abs(speed_mps + self.filter.speed_mps) * dt_s
         self.remember(t_ns=t_ns, distance_m=distance_m)
         self._move_plane()
 
@@ -129,7 +130,7 @@ class Estimator(Estimate):
         if self.memory.position_unconfirmed or self.memory.heading_unconfirmed:
             self._question_kept(fix)
         if fix.speed_mps is not None:
-            if not self.wheels_fresh and self.filter.x[States.SPEED] < 0.0:
+            if not self.wheels_fresh and self.filter.x[States.WHEEL_SPEED] < 0.0:
                 self.filter.go_forward()
             take_speed(self, fix, fix.speed_mps)
             take_course(self, fix, fix.speed_mps)

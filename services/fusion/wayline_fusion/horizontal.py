@@ -2,7 +2,9 @@
 
 Frame: a local plane, east and north in metres; heading clockwise from north in radians.
 The Gauss-Markov and random-walk models are those of papers/001, "Loose coupling"; the paper gives
-no variances, ours and their reasons are in `wayline.tuning`.
+no variances, ours and their reasons are in `wayline.tuning`. The acceleration is a first-order
+Gauss-Markov process too (R. A. Singer, Estimating optimal tracking filter performance for manned
+maneuvering targets, 1970).
 """
 
 import math
@@ -17,6 +19,11 @@ from wayline_fusion.measurements import Measurement
 from wayline_fusion.states import SIZE, Floats, States
 
 S = States
+
+MOTION = (S.EAST, S.NORTH, S.HEADING, S.WHEEL_SPEED, S.ACCELERATION, S.GPS_EAST, S.GPS_NORTH)
+"""All but the sensors' calibration."""
+STANDING_MPS_PER_SQRT_S = 0.05
+"""What is left to the speed of a vehicle that stands."""
 
 
 class DrivingNoise(NamedTuple):
@@ -38,8 +45,6 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P = np.diag(np.square(self._initial_stds()))
         self.F = np.eye(SIZE)
         self.Q = np.zeros((SIZE, SIZE))
-        self._variances = self.Q.reshape(-1)[:: SIZE + 1]
-        """The diagonal of Q."""
         self.inv = _inverse
 
     def _initial_stds(self) -> list[float]:
@@ -55,6 +60,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
             1.0,
             1.0,
             tuning.gps_latency_std_s,
+            tuning.acceleration_std_mps2,
         ]
 
     def advance(
@@ -67,51 +73,79 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         """
         # numpy's own numbers are slow to calculate with
         x, F = self.x.tolist(), self.F
-        heading, speed, bias, scale = x[S.HEADING], x[S.SPEED], x[S.GYRO_BIAS], x[S.GYRO_SCALE]
+        heading, bias, scale = x[S.HEADING], x[S.GYRO_BIAS], x[S.GYRO_SCALE]
+        wheels, odometer_scale = x[S.WHEEL_SPEED], x[S.ODOMETER_SCALE]
         measured = turn_rad is not None and not standing
         turned = 0.0 if turn_rad is None or standing else turn_rad - bias * dt_s
         middle = heading + 0.5 * scale * turned
         sin, cos = math.sin(middle), math.cos(middle)
-        moved = speed * dt_s
+        lasting = 0.0 if standing else math.exp(-dt_s / self._tuning.acceleration_time_s)
+        # what an acceleration of 1 makes of the speed
+        gain_s = 0.0 if standing else self._tuning.acceleration_time_s * (1.0 - lasting)
+        later = _braked(wheels, x[S.ACCELERATION], gain_s, lasting)
+        rolled = 0.5 * (wheels + later[0]) * dt_s
+        moved = odometer_scale * rolled
 
         heading_by_bias = -scale * dt_s if measured else 0.0
         heading_by_scale = turned if measured else 0.0
         east_by_heading, north_by_heading = moved * cos, -moved * sin
         F[S.EAST, S.HEADING], F[S.NORTH, S.HEADING] = east_by_heading, north_by_heading
-        F[S.EAST, S.SPEED], F[S.NORTH, S.SPEED] = dt_s * sin, dt_s * cos
+        by_wheels, by_acceleration = odometer_scale * dt_s, 0.5 * odometer_scale * gain_s * dt_s
+        F[S.EAST, S.WHEEL_SPEED], F[S.NORTH, S.WHEEL_SPEED] = by_wheels * sin, by_wheels * cos
+        F[S.EAST, S.ODOMETER_SCALE], F[S.NORTH, S.ODOMETER_SCALE] = rolled * sin, rolled * cos
         F[S.HEADING, S.GYRO_BIAS], F[S.HEADING, S.GYRO_SCALE] = heading_by_bias, heading_by_scale
         F[S.EAST, S.GYRO_BIAS] = 0.5 * east_by_heading * heading_by_bias
         F[S.EAST, S.GYRO_SCALE] = 0.5 * east_by_heading * heading_by_scale
         F[S.NORTH, S.GYRO_BIAS] = 0.5 * north_by_heading * heading_by_bias
         F[S.NORTH, S.GYRO_SCALE] = 0.5 * north_by_heading * heading_by_scale
+        F[S.EAST, S.ACCELERATION] = by_acceleration * sin
+        F[S.NORTH, S.ACCELERATION] = by_acceleration * cos
+        F[S.WHEEL_SPEED, S.ACCELERATION], F[S.ACCELERATION, S.ACCELERATION] = gain_s, lasting
         kept = math.exp(-dt_s / self._tuning.gps_error_time_s)
         F[S.GPS_EAST, S.GPS_EAST] = F[S.GPS_NORTH, S.GPS_NORTH] = kept
+        self.Q[S.GPS_EAST, S.GPS_EAST] = self.Q[S.GPS_NORTH, S.GPS_NORTH] = 1.0 - kept**2
         self._set_noise(dt_s, noise, gyro=turn_rad is not None, standing=standing)
-        self._variances[S.GPS_EAST] = self._variances[S.GPS_NORTH] = 1.0 - kept**2
+        self._set_acceleration_noise(dt_s, lasting, standing=standing)
         self.predict()
         # the state itself moves by the model, not by its linearisation
         x[S.EAST] += moved * sin
         x[S.NORTH] += moved * cos
         x[S.HEADING] += scale * turned
+        x[S.WHEEL_SPEED], x[S.ACCELERATION] = later
         x[S.GPS_EAST] *= kept
         x[S.GPS_NORTH] *= kept
         self.x = np.array(x)
 
     def _set_noise(self, dt_s: float, noise: DrivingNoise, *, gyro: bool, standing: bool) -> None:
-        tuning, variances = self._tuning, self._variances
+        tuning, variances = self._tuning, self.Q.reshape(-1)[:: SIZE + 1]
         if standing:
-            position_mps2, heading, acceleration = 0.0, 0.0, 0.05
+            position_mps2, heading = 0.0, 0.0
         else:
             position_mps2 = tuning.position_noise_m_per_sqrt_s**2
-            without_gyro = math.radians(tuning.turn_noise_deg_per_sqrt_s)
-            heading = noise.turn_rad_per_sqrt_s if gyro else without_gyro
-            acceleration = tuning.acceleration_noise_mps_per_sqrt_s
+            heading = noise.turn_rad_per_sqrt_s if gyro else self._turn_rad_per_sqrt_s()
         variances[S.EAST] = variances[S.NORTH] = position_mps2 * dt_s
         variances[S.HEADING] = heading**2 * dt_s
-        variances[S.SPEED] = acceleration**2 * dt_s
         variances[S.GYRO_BIAS] = noise.bias_walk**2 * dt_s
         variances[S.GYRO_SCALE] = tuning.gyro_scale_walk_per_sqrt_s**2 * dt_s
         variances[S.ODOMETER_SCALE] = tuning.odometer_scale_walk_per_sqrt_s**2 * dt_s
+
+    def _turn_rad_per_sqrt_s(self) -> float:
+        """Without a gyro: what a wheel can be turned by, and at speed what passengers bear."""
+        tuning, fastest_mps = self._tuning, abs(self.speed_mps) + self.speed_std_mps
+        slow = math.radians(tuning.turn_noise_deg_per_sqrt_s)
+        return min(slow, tuning.lateral_acceleration_std_mps2 / max(fastest_mps, 0.1))
+
+    def _set_acceleration_noise(self, dt_s: float, lasting: float, *, standing: bool) -> None:
+        """Of the acceleration, and of the speed that it makes."""
+        Q, tuning = self.Q, self._tuning
+        variance = tuning.acceleration_std_mps2**2
+        density = 0.0 if standing else 2.0 * variance / tuning.acceleration_time_s
+        rest_mps2 = STANDING_MPS_PER_SQRT_S**2 if standing else 0.0
+        Q[S.WHEEL_SPEED, S.WHEEL_SPEED] = (density * dt_s**2 / 3.0 + rest_mps2) * dt_s
+        Q[S.WHEEL_SPEED, S.ACCELERATION] = Q[S.ACCELERATION, S.WHEEL_SPEED] = (
+            0.5 * density * dt_s**2
+        )
+        Q[S.ACCELERATION, S.ACCELERATION] = variance * (1.0 - lasting**2)
 
     def expected(self, measurement: Measurement) -> Floats:
         """Covariance of the innovation without the measurement's own noise, H P H'."""
@@ -126,6 +160,16 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         # filterpy takes H x off again, which leaves the innovation
         self.update(measurement.y + H.dot(self.x), measurement.R, H)
         self.x[S.HEADING] = wrap_pi(float(self.x[S.HEADING]))
+
+    def consider(self, measurement: Measurement, state: int) -> None:
+        """Update all but one state, whose doubt is counted all the same.
+
+        This is the Schmidt-Kalman update: the optimal one, but that the state and its variance
+        stay.
+        """
+        value, variance = self.x[state], self.P[state, state]
+        self.correct(measurement)
+        self.x[state], self.P[state, state] = value, variance
 
     def place(self, east_m: float, north_m: float, std_m: float, doubt_m: float = 0.0) -> None:
         """Set the position to a fix, forgetting where it was (start, or after a lock-out).
@@ -166,7 +210,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         """Forget position, heading, speed and the fixes' error; keep the sensors' calibration."""
         self.x, self.P = self.x.copy(), self.P.copy()
         initial = np.square(self._initial_stds())
-        for state in (S.EAST, S.NORTH, S.HEADING, S.SPEED, S.GPS_EAST, S.GPS_NORTH):
+        for state in MOTION:
             self.x[state] = 0.0
             self.P[state, :] = self.P[:, state] = 0.0
             self.P[state, state] = initial[state]
@@ -174,9 +218,18 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
     def go_forward(self) -> None:
         """Forget a speed that noise made negative, where no wheel has said reverse."""
         self.x, self.P = self.x.copy(), self.P.copy()
-        self.x[S.SPEED] = 0.0
-        self.P[S.SPEED, :] = self.P[:, S.SPEED] = 0.0
-        self.P[S.SPEED, S.SPEED] = self._tuning.acceleration_noise_mps_per_sqrt_s**2
+        self.x[S.WHEEL_SPEED] = 0.0
+        self.P[S.WHEEL_SPEED, :] = self.P[:, S.WHEEL_SPEED] = 0.0
+        self.P[S.WHEEL_SPEED, S.WHEEL_SPEED] = self._tuning.acceleration_noise_mps_per_sqrt_s**2
+
+    def manoeuvre(self, gained_mps: float, over_s: float) -> None:
+        """Let the vehicle have sped up or braked by about so much, at an even rate."""
+        heading_rad = float(self.x[S.HEADING])
+        made = np.zeros(SIZE)
+        made[S.ACCELERATION], made[S.WHEEL_SPEED] = gained_mps / over_s, gained_mps
+        made[S.EAST] = 0.5 * over_s * gained_mps * math.sin(heading_rad)
+        made[S.NORTH] = 0.5 * over_s * gained_mps * math.cos(heading_rad)
+        self.P = self.P + np.outer(made, made)
 
     def doubt(self, state: int, std: float) -> None:
         """Keep a value and trust it no more than this."""
@@ -190,6 +243,23 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P[S.EAST, S.EAST] += std_m**2
         self.P[S.NORTH, S.NORTH] += std_m**2
 
+    @property
+    def speed_mps(self) -> float:
+        """Over ground, negative in reverse."""
+        return float(self.x[S.ODOMETER_SCALE] * self.x[S.WHEEL_SPEED])
+
+    @property
+    def speed_std_mps(self) -> float:
+        """One sigma of the speed, by its derivatives."""
+        by_wheels, by_scale = float(self.x[S.ODOMETER_SCALE]), float(self.x[S.WHEEL_SPEED])
+        P = self.P
+        variance = (
+            by_wheels**2 * P[S.WHEEL_SPEED, S.WHEEL_SPEED]
+            + by_scale**2 * P[S.ODOMETER_SCALE, S.ODOMETER_SCALE]
+            + 2.0 * by_wheels * by_scale * P[S.WHEEL_SPEED, S.ODOMETER_SCALE]
+        )
+        return math.sqrt(max(float(variance), 0.0))
+
     def std(self, state: int) -> float:
         """One sigma of a state."""
         return math.sqrt(max(float(self.P[state, state]), 0.0))
@@ -197,6 +267,16 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
     def slow_std_m(self, std_m: float) -> float:
         """The part of a fix's std that varies slowly."""
         return math.sqrt(self._tuning.gps_error_share) * std_m
+
+
+def _braked(
+    speed_mps: float, acceleration_mps2: float, gain_s: float, lasting: float
+) -> tuple[float, float]:
+    """Speed and acceleration after a step; who brakes comes to rest, and does not turn round."""
+    after_mps = speed_mps + gain_s * acceleration_mps2
+    if speed_mps * after_mps < 0.0:
+        return 0.0, 0.0
+    return after_mps, lasting * acceleration_mps2
 
 
 def _inverse(S: Floats) -> np.ndarray:

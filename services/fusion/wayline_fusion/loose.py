@@ -24,7 +24,7 @@ class Loose(Estimator):
     def progress(self) -> Progress:
         """How far the vehicle has come."""
         return Progress(
-            self.memory.t_ns, self.memory.distance_m, bool(self.filter.x[S.SPEED] < 0.0)
+            self.memory.t_ns, self.memory.distance_m, bool(self.filter.x[S.WHEEL_SPEED] < 0.0)
         )
 
     def motion(self) -> Motion:
@@ -41,8 +41,8 @@ class Loose(Estimator):
             east_north_cov_m2=float(kalman.P[S.EAST, S.NORTH]),
             heading_deg=self.heading_deg() if memory.heading_known else None,
             heading_std_deg=math.degrees(kalman.std(S.HEADING)),
-            speed_mps=float(kalman.x[S.SPEED]) if moving else None,
-            speed_std_mps=kalman.std(S.SPEED),
+            speed_mps=kalman.speed_mps if moving else None,
+            speed_std_mps=kalman.speed_std_mps,
             yaw_rate_degps=self._yaw_rate_degps(),
             is_unconfirmed=memory.position_unconfirmed,
         )

@@ -28,13 +28,17 @@ def position(
 ) -> Measurement:
     """GPS position of the instant LATENCY ago; a part of its error varies slowly (shaping)."""
     sin, cos = math.sin(x[S.HEADING]), math.cos(x[S.HEADING])
-    late_m = x[S.SPEED] * x[S.LATENCY]
+    wheels_mps, scale, latency_s = x[S.WHEEL_SPEED], x[S.ODOMETER_SCALE], x[S.LATENCY]
+    speed_mps = scale * wheels_mps
+    late_m = speed_mps * latency_s
     H = np.zeros((2, SIZE))
     H[0, S.EAST] = H[1, S.NORTH] = 1.0
     H[0, S.GPS_EAST] = H[1, S.GPS_NORTH] = slow_std_m
-    H[0, S.SPEED], H[1, S.SPEED] = -sin * x[S.LATENCY], -cos * x[S.LATENCY]
+    by_wheels, by_scale = scale * latency_s, wheels_mps * latency_s
+    H[0, S.WHEEL_SPEED], H[1, S.WHEEL_SPEED] = -sin * by_wheels, -cos * by_wheels
+    H[0, S.ODOMETER_SCALE], H[1, S.ODOMETER_SCALE] = -sin * by_scale, -cos * by_scale
     H[0, S.HEADING], H[1, S.HEADING] = -cos * late_m, sin * late_m
-    H[0, S.LATENCY], H[1, S.LATENCY] = -sin * x[S.SPEED], -cos * x[S.SPEED]
+    H[0, S.LATENCY], H[1, S.LATENCY] = -sin * speed_mps, -cos * speed_mps
     expected_east_m = x[S.EAST] + slow_std_m * x[S.GPS_EAST] - sin * late_m
     expected_north_m = x[S.NORTH] + slow_std_m * x[S.GPS_NORTH] - cos * late_m
     y = np.array([east_m - expected_east_m, north_m - expected_north_m])
@@ -42,33 +46,33 @@ def position(
 
 
 def gps_speed(x: Floats, speed_mps: float, std_mps: float) -> Measurement:
-    """GPS speed over ground, which has no sign."""
-    direction = -1.0 if x[S.SPEED] < 0.0 else 1.0
-    return _scalar("gps_speed", speed_mps - direction * x[S.SPEED], {S.SPEED: direction}, std_mps)
+    """GPS speed over ground, which has no sign.
+
+    Of LATENCY it tells too little: an acceleration that is estimated from speeds is wrong as they
+    are, and what both share would seem to be one.
+    """
+    wheels_mps, scale = x[S.WHEEL_SPEED], x[S.ODOMETER_SCALE]
+    signed_scale = -scale if wheels_mps < 0.0 else scale
+    by_state = {S.WHEEL_SPEED: signed_scale, S.ODOMETER_SCALE: abs(wheels_mps)}
+    return _scalar("gps_speed", speed_mps - signed_scale * wheels_mps, by_state, std_mps)
 
 
 def course(x: Floats, course_rad: float, std_rad: float, rate_radps: float) -> Measurement:
     """GPS course over ground LATENCY ago: the heading then, or its opposite in reverse."""
-    heading = x[S.HEADING] + (math.pi if x[S.SPEED] < 0.0 else 0.0)
+    heading = x[S.HEADING] + (math.pi if x[S.WHEEL_SPEED] < 0.0 else 0.0)
     expected = heading - rate_radps * x[S.LATENCY]
     by_state = {S.HEADING: 1.0, S.LATENCY: -rate_radps}
     return _scalar("gps_course", wrap_pi(course_rad - expected), by_state, std_rad)
 
 
 def odometer(x: Floats, speed_mps: float, std_mps: float) -> Measurement:
-    """Wheel speed with sign: true speed - odometer_scale x measured = 0.
-
-    Linear in the state, as the derivatives hold only what was measured. Those of the measured
-    speed by the state move with it, and each start and stop would then seem to tell of the scale.
-    """
-    speed, scale = x[S.SPEED], x[S.ODOMETER_SCALE]
-    by_state = {S.SPEED: 1.0, S.ODOMETER_SCALE: -speed_mps}
-    return _scalar("odometer", scale * speed_mps - speed, by_state, scale * std_mps)
+    """Wheel speed with sign."""
+    return _scalar("odometer", speed_mps - x[S.WHEEL_SPEED], {S.WHEEL_SPEED: 1.0}, std_mps)
 
 
 def still(x: Floats, std_mps: float) -> Measurement:
     """Zero velocity."""
-    return _scalar("standstill", -x[S.SPEED], {S.SPEED: 1.0}, std_mps)
+    return _scalar("standstill", -x[S.WHEEL_SPEED], {S.WHEEL_SPEED: 1.0}, std_mps)
 
 
 def still_rate(x: Floats, rate_radps: float, std_radps: float) -> Measurement:

@@ -6,6 +6,7 @@ from wayline.geo import LocalPlane
 from wayline_fusion.bias_wander import BiasWander
 from wayline_fusion.lockout import CourseLockout, Lockout
 from wayline_fusion.noise_scale import NoiseScale
+from wayline_fusion.streak import Streak
 
 
 class Memory(msgspec.Struct, frozen=True):
@@ -17,8 +18,12 @@ class Memory(msgspec.Struct, frozen=True):
     distance_m: float = 0.0
     wheels_ns: int | None = None
     still_since_ns: int | None = None
-    wheels_rejected_since_ns: int | None = None
-    """First of the wheel speeds that were rejected without a break; so with those below."""
+    wheels_accepted_ns: int | None = None
+    wheels_mps: float = 0.0
+    """The one accepted then, as measured..."""
+    wheels_distance_m: float = 0.0
+    """...and the distance there."""
+    wheels_rejected: Streak | None = None
     placed_ns: int | None = None
     """When the position was last set to a fix, not corrected with one."""
     accepted_fix_ns: int | None = None
@@ -29,8 +34,9 @@ class Memory(msgspec.Struct, frozen=True):
     heading_unconfirmed: bool = False
     lockout: Lockout | None = None
     course_lockout: CourseLockout | None = None
-    speed_rejected_since_ns: int | None = None
-    still_rate_rejected_since_ns: int | None = None
+    speed_accepted_ns: int | None = None
+    speed_rejected: Streak | None = None
+    still_rate_rejected: Streak | None = None
     position_noise: NoiseScale = NoiseScale()
     velocity_noise: NoiseScale = NoiseScale()
     wander: BiasWander = BiasWander()

@@ -2,6 +2,7 @@
 
 import math
 
+import msgspec
 import numpy as np
 
 from wayline.messages import Verdict
@@ -11,11 +12,15 @@ from wayline_fusion.events import Fix
 from wayline_fusion.gate import alarmed, judge, nis_of, threshold
 from wayline_fusion.lockout import patience_s, rejected
 from wayline_fusion.measurements import Measurement
+from wayline_fusion.states import Floats
 
-POSITION_FACTOR_MIN = 1.0
-"""Reflections in ordinary streets move fixes by metres at once, then not at all for a while."""
+POSITION_FACTOR_MIN = 0.05
+"""Of the claimed white variance; a receiver that smooths shows none."""
 SLOW_FACTOR_POWER = 0.4
 """Of the white variance's factor, on the slow std: nearly as many decibels."""
+LIKELY_PROBABILITY = 0.95
+"""Reflections in ordinary streets move fixes by metres at once, then not at all for a while: those
+less likely than this count for less."""
 SAME_ERROR_RATIO = 0.7
 """Of two claimed stds; a satellite more or less changes them by less."""
 RELOCK_DOUBT_SHARE = 0.5
@@ -39,13 +44,17 @@ def take_position(estimate: Estimate, fix: Fix, east_m: float, north_m: float) -
     slow_std_m = estimate.filter.slow_std_m(fix.position_std_m)
     claimed_m2 = fix.position_std_m**2 - slow_std_m**2
     # where white noise is more than claimed, what is slow is too
-    slow_std_m *= memory.position_noise.factor**SLOW_FACTOR_POWER
+    slow_std_m *= max(memory.position_noise.factor, 1.0) ** SLOW_FACTOR_POWER
     _renew_fixes_error(estimate, slow_std_m)
-    white_std_m = math.sqrt(memory.position_noise.factor * claimed_m2)
+    white_m2 = memory.position_noise.factor * claimed_m2
+    white_std_m = math.sqrt(max(white_m2, claimed_m2))
     measurement = measurements.position(estimate.filter.x, east_m, north_m, slow_std_m, white_std_m)
     expected = estimate.filter.expected(measurement)
     nis = nis_of(measurement, expected)
     verdict = _position_verdict(estimate, fix.t_ns, nis)
+    if verdict.accepted:
+        measurement = _weighed(measurement, expected, white_m2)
+        verdict = msgspec.structs.replace(verdict, nis=nis_of(measurement, expected))
     estimate.verdicts.append(alarmed(verdict, measurement, expected))
     if not verdict.accepted:
         _locked_out(estimate, fix, (east_m, north_m), measurement, nis)
@@ -56,6 +65,17 @@ def take_position(estimate: Estimate, fix: Fix, east_m: float, north_m: float) -
         square, 0.5 * float(np.trace(expected)), claimed_m2, POSITION_FACTOR_MIN
     )
     estimate.remember(accepted_fix_ns=fix.t_ns, lockout=None, position_noise=noise)
+
+
+def _weighed(measurement: Measurement, expected: Floats, white_m2: float) -> Measurement:
+    """With the noise that was learned; unlikely with that, it counts for as much less."""
+    noise_m2 = white_m2 * np.eye(2)
+    likely = measurement._replace(R=noise_m2)
+    excess = nis_of(likely, expected) / threshold(2, LIKELY_PROBABILITY)
+    if excess <= 1.0:
+        return likely
+    # with this noise its NIS is the threshold
+    return measurement._replace(R=noise_m2 + (excess - 1.0) * (expected + noise_m2))
 
 
 def _renew_fixes_error(estimate: Estimate, slow_std_m: float) -> None:

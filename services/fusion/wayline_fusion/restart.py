@@ -20,7 +20,7 @@ from wayline_fusion.states import Floats, States
 
 S = States
 CALIBRATED = (S.GYRO_BIAS, S.GYRO_SCALE, S.ODOMETER_SCALE, S.LATENCY)
-MOTION = (S.EAST, S.NORTH, S.HEADING, S.SPEED)
+MOTION = (S.EAST, S.NORTH, S.HEADING, S.WHEEL_SPEED)
 UPPER = np.triu_indices(len(CALIBRATED), 1)
 SCALES_SETTLE_S = 7_200.0
 """Tyres and gyro are cold after two hours; from then on their scales stay."""
@@ -73,7 +73,7 @@ def _last_pose(x: Floats, stds: Floats, memory: Memory) -> LastPose | None:
         north_std_m=float(stds[S.NORTH]),
         heading_deg=wrap_360(math.degrees(float(x[S.HEADING]))),
         heading_std_deg=math.degrees(float(stds[S.HEADING])),
-        speed_mps=float(x[S.SPEED]),
+        speed_mps=float(x[S.ODOMETER_SCALE] * x[S.WHEEL_SPEED]),
         fix_ns=memory.accepted_fix_ns,
     )
 
@@ -169,7 +169,9 @@ def _placed(pose: LastPose, calibrated: Snapshot, off_s: float) -> Snapshot:
     x, covariance = calibrated.x.copy(), calibrated.P.copy()
     heading_rad = wrap_pi(math.radians(pose.heading_deg))
     moved_m = pose.speed_mps * off_s
-    speed_std_mps = min(1.0 + ACCELERATION_MPS2 * off_s, math.sqrt(covariance[S.SPEED, S.SPEED]))
+    speed_std_mps = min(
+        1.0 + ACCELERATION_MPS2 * off_s, math.sqrt(covariance[S.WHEEL_SPEED, S.WHEEL_SPEED])
+    )
     stds = (
         pose.east_std_m,
         pose.north_std_m,
@@ -177,7 +179,7 @@ def _placed(pose: LastPose, calibrated: Snapshot, off_s: float) -> Snapshot:
         speed_std_mps,
     )
     x[S.EAST], x[S.NORTH] = moved_m * math.sin(heading_rad), moved_m * math.cos(heading_rad)
-    x[S.HEADING], x[S.SPEED] = heading_rad, pose.speed_mps
+    x[S.HEADING], x[S.WHEEL_SPEED] = heading_rad, pose.speed_mps / x[S.ODOMETER_SCALE]
     for state, std in zip(MOTION, stds, strict=True):
         covariance[state, state] = std**2
     memory = msgspec.structs.replace(

@@ -15,14 +15,15 @@ class States:
     EAST = 0  # m
     NORTH = 1  # m
     HEADING = 2  # rad
-    SPEED = 3  # m/s, negative in reverse
+    WHEEL_SPEED = 3  # m/s, negative in reverse; ODOMETER_SCALE times it is the speed
     GYRO_BIAS = 4  # rad/s
     GYRO_SCALE = 5
     ODOMETER_SCALE = 6
     GPS_EAST = 7  # slowly varying error of the fixes, in their own stds
     GPS_NORTH = 8
     LATENCY = 9  # s, of the fixes beyond what ingest has taken off
+    ACCELERATION = 10  # m/s^2, along the heading
 
 
-SIZE = 10
+SIZE = 11
 """Of the state vector."""

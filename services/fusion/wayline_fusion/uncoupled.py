@@ -103,10 +103,10 @@ class Uncoupled:
             self._reckoned = Reckoned(t_ns=t_ns, distance_m=before.distance_m)
         elif elapsed_ns > 0:
             turn_rad = self._gyro.turned_rad(before.t_ns, t_ns)
-            standing = self._wheels_fresh and kalman.x[S.SPEED] == 0.0
+            standing = self._wheels_fresh and kalman.x[S.WHEEL_SPEED] == 0.0
             dt_s = elapsed_ns * 1e-9
             kalman.advance(dt_s, turn_rad, self._noise(), standing=standing)
-            moved_m = abs(float(kalman.x[S.SPEED])) * dt_s
+            moved_m = abs(kalman.speed_mps) * dt_s
             self._remember(t_ns=t_ns, distance_m=before.distance_m + moved_m)
             self._move_plane()
 
@@ -137,24 +137,24 @@ class Uncoupled:
         if fix.course_rad is not None and fix.speed_mps >= self._tuning.course_speed_min_mps:
             floor_rad = math.radians(self._tuning.gps_course_std_deg)
             std_rad = fix.course_std_rad or fix.speed_std_mps / fix.speed_mps
-            backwards_rad = math.pi if self._filter.x[S.SPEED] < 0.0 else 0.0
+            backwards_rad = math.pi if self._filter.x[S.WHEEL_SPEED] < 0.0 else 0.0
             self._filter.turn_to(fix.course_rad + backwards_rad, math.hypot(std_rad, floor_rad))
             self._remember(heading_known=True)
 
     def _set_speed(self, speed_mps: float, std_mps: float, *, by_wheels: bool) -> None:
-        """Set the speed; that of the wheels is off by their scale, as it was before."""
+        """Set the speed; that of the wheels is off by their scale, that of a fix is not."""
         kalman = self._filter
         kalman.x, kalman.P = kalman.x.copy(), kalman.P.copy()
-        shared = speed_mps * kalman.P[S.ODOMETER_SCALE] if by_wheels else 0.0
-        kalman.x[S.SPEED] = speed_mps
-        kalman.P[S.SPEED, :] = kalman.P[:, S.SPEED] = shared
-        scale_mps = speed_mps * kalman.std(S.ODOMETER_SCALE) if by_wheels else 0.0
-        kalman.P[S.SPEED, S.SPEED] = std_mps**2 + scale_mps**2
+        shared = 0.0 if by_wheels else -speed_mps * kalman.P[S.ODOMETER_SCALE]
+        kalman.x[S.WHEEL_SPEED] = speed_mps
+        kalman.P[S.WHEEL_SPEED, :] = kalman.P[:, S.WHEEL_SPEED] = shared
+        scale_mps = 0.0 if by_wheels else speed_mps * kalman.std(S.ODOMETER_SCALE)
+        kalman.P[S.WHEEL_SPEED, S.WHEEL_SPEED] = std_mps**2 + scale_mps**2
 
     @property
     def progress(self) -> Progress:
         """How far the vehicle has come."""
-        backwards = bool(self._filter.x[S.SPEED] < 0.0)
+        backwards = bool(self._filter.x[S.WHEEL_SPEED] < 0.0)
         return Progress(self._reckoned.t_ns, self._reckoned.distance_m, backwards)
 
     def motion(self) -> Motion:
@@ -172,8 +172,8 @@ class Uncoupled:
             east_north_cov_m2=float(kalman.P[S.EAST, S.NORTH]),
             heading_deg=heading_deg if reckoned.heading_known else None,
             heading_std_deg=math.degrees(kalman.std(S.HEADING)),
-            speed_mps=float(x[S.SPEED]) if plane or self._wheels_fresh else None,
-            speed_std_mps=kalman.std(S.SPEED),
+            speed_mps=kalman.speed_mps if plane or self._wheels_fresh else None,
+            speed_std_mps=kalman.speed_std_mps,
             yaw_rate_degps=None if rate_radps is None else math.degrees(rate_radps),
         )
 

@@ -4,13 +4,17 @@ import math
 
 from wayline_fusion import measurements
 from wayline_fusion.bias_wander import Walk
-from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate, has_lasted, since
+from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate
 from wayline_fusion.events import Fix
 from wayline_fusion.lockout import course_rejected
+from wayline_fusion.manoeuvre import expect_manoeuvre
 from wayline_fusion.measurements import Measurement
 from wayline_fusion.states import States
+from wayline_fusion.streak import after, lasted_s
 
 VELOCITY_FACTOR_MIN = 0.3
+VELOCITY_FACTOR_MIN_ALONE = 1.0
+"""Without wheels nothing but the vehicle's habits tells noise from driving."""
 SCALE_UNKNOWN = 0.2
 BIAS_DOUBT_FACTOR = 3.0
 """A course that had to be set says that the bias is known less well than it seemed; once more, and
@@ -23,26 +27,30 @@ def take_speed(estimate: Estimate, fix: Fix, speed_mps: float) -> None:
     std_mps = fix.speed_std_mps * math.sqrt(memory.velocity_noise.factor)
     measurement = measurements.gps_speed(estimate.filter.x, speed_mps, std_mps)
     expected = estimate.filter.expected(measurement)
-    since_ns = memory.speed_rejected_since_ns
-    if estimate.wheels_fresh and has_lasted(since_ns, fix.t_ns, tuning.speed_relock_after_s):
-        estimate.strayed(float(measurement.y[0]), since_ns, fix.t_ns)
+    rejected_s = lasted_s(memory.speed_rejected, fix.t_ns)
+    if estimate.wheels_fresh and rejected_s >= tuning.speed_relock_after_s:
+        estimate.filter.stray(float(measurement.y[0]) * rejected_s)
         # other tyres, or a speed in another unit
         estimate.filter.doubt(States.ODOMETER_SCALE, SCALE_UNKNOWN)
-        estimate.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
         estimate.tell("odometer", fix.t_ns, "another scale for long; learned anew")
-    elif since_ns is not None and not estimate.wheels_fresh:
+    elif rejected_s > 0.0 and not estimate.wheels_fresh:
         # two in a row, and nothing else tells the speed: the vehicle braked hard
-        estimate.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
+        estimate.filter.doubt(States.WHEEL_SPEED, SPEED_UNKNOWN_MPS)
+    elif not estimate.wheels_fresh:
+        expect_manoeuvre(estimate, measurement, fix.t_ns, memory.speed_accepted_ns)
     is_accepted = estimate.gated(measurement, fix.t_ns)
     noise = memory.velocity_noise
-    if estimate.wheels_fresh and speed_mps >= tuning.course_speed_min_mps:
-        square = float(measurement.y[0]) ** 2
+    if speed_mps >= tuning.course_speed_min_mps:
         noise = noise.learned(
-            square, float(expected[0, 0]), fix.speed_std_mps**2, VELOCITY_FACTOR_MIN
+            float(measurement.y[0]) ** 2,
+            float(expected[0, 0]),
+            fix.speed_std_mps**2,
+            VELOCITY_FACTOR_MIN if estimate.wheels_fresh else VELOCITY_FACTOR_MIN_ALONE,
         )
     estimate.remember(
         velocity_noise=noise,
-        speed_rejected_since_ns=since(is_accepted, since_ns, fix.t_ns),
+        speed_accepted_ns=fix.t_ns if is_accepted else memory.speed_accepted_ns,
+        speed_rejected=after(memory.speed_rejected, fix.t_ns, is_accepted=is_accepted),
     )
 
 
@@ -56,7 +64,7 @@ def take_course(estimate: Estimate, fix: Fix, speed_mps: float) -> None:
         0.0 if rate_radps is None else rate_radps - float(estimate.filter.x[States.GYRO_BIAS])
     )
     std_rad = _course_std_rad(estimate, fix, speed_mps, rate_radps)
-    backwards_rad = math.pi if estimate.filter.x[States.SPEED] < 0.0 else 0.0
+    backwards_rad = math.pi if estimate.filter.x[States.WHEEL_SPEED] < 0.0 else 0.0
     if not estimate.memory.heading_known:
         start_rad = max(std_rad, math.radians(tuning.heading_start_std_deg))
         estimate.filter.turn_to(fix.course_rad + backwards_rad, start_rad)
@@ -72,16 +80,16 @@ def take_course(estimate: Estimate, fix: Fix, speed_mps: float) -> None:
     lockout = course_rejected(estimate.memory.course_lockout, fix.t_ns, off_rad)
     estimate.remember(course_lockout=lockout)
     if lockout.agreed_s >= tuning.course_relock_after_s:
-        _turn_to_course(estimate, fix, off_rad, lockout.since_ns)
+        _turn_to_course(estimate, fix, off_rad, lockout.agreed_s)
 
 
-def _turn_to_course(estimate: Estimate, fix: Fix, off_rad: float, since_ns: int) -> None:
+def _turn_to_course(estimate: Estimate, fix: Fix, off_rad: float, agreed_s: float) -> None:
     """Courses have agreed for long on another heading: it, the way since and the bias are wrong."""
     kalman, tuning = estimate.filter, estimate.tuning
     # those that agree differ from each other by up to half of it
     kalman.turn_to(float(kalman.x[States.HEADING]) + off_rad, 0.5 * abs(off_rad))
-    across_mps = 2.0 * float(kalman.x[States.SPEED]) * math.sin(0.5 * off_rad)
-    estimate.strayed(across_mps, since_ns, fix.t_ns)
+    across_mps = 2.0 * kalman.speed_mps * math.sin(0.5 * off_rad)
+    estimate.filter.stray(across_mps * agreed_s)
     bias_std = BIAS_DOUBT_FACTOR * kalman.std(States.GYRO_BIAS)
     most = math.radians(tuning.gyro_bias_initial_std_degps)
     kalman.doubt(States.GYRO_BIAS, min(bias_std, most))

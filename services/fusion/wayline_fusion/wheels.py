@@ -3,11 +3,15 @@
 import math
 
 from wayline_fusion import measurements
-from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate, has_lasted, since
+from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate
 from wayline_fusion.events import Step, WheelSpeed
 from wayline_fusion.gate import judge, nis_of
+from wayline_fusion.manoeuvre import expect_manoeuvre
 from wayline_fusion.states import States
+from wayline_fusion.streak import after, lasted_s
 
+TRAPEZOID_NS = 1_000_000_000
+"""Further apart, wheel speeds say too little of the way between them."""
 STILL_NS = 100_000_000
 """At rest the gyro is averaged over a step."""
 REST_CORRELATION_S = 10.0
@@ -20,32 +24,67 @@ def take_wheel_speed(estimate: Estimate, event: WheelSpeed) -> None:
         _pull_away(estimate, event.t_ns)
     estimate.remember(wheels_ns=event.t_ns)
     if estimate.standing and event.speed_mps == 0.0:
+        estimate.remember(
+            wheels_accepted_ns=event.t_ns,
+            wheels_mps=0.0,
+            wheels_distance_m=estimate.memory.distance_m,
+        )
         return
     measurement = measurements.odometer(estimate.filter.x, event.speed_mps, event.std_mps)
-    since_ns = estimate.memory.wheels_rejected_since_ns
-    if has_lasted(since_ns, event.t_ns, estimate.tuning.wheels_relock_after_s):
-        estimate.strayed(float(measurement.y[0]), since_ns, event.t_ns)
-        estimate.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
+    rejected_s = lasted_s(estimate.memory.wheels_rejected, event.t_ns)
+    if rejected_s >= _patience_s(estimate):
+        estimate.filter.stray(float(measurement.y[0]) * rejected_s)
+        estimate.filter.doubt(States.WHEEL_SPEED, SPEED_UNKNOWN_MPS)
         estimate.remember(still_since_ns=None)
+    if rejected_s == 0.0:
+        expect_manoeuvre(estimate, measurement, event.t_ns, estimate.memory.wheels_accepted_ns)
     nis = nis_of(measurement, estimate.filter.expected(measurement))
     verdict = judge("odometer", event.t_ns, nis, 1, estimate.tuning.gate_probability)
     if not verdict.accepted:
         estimate.verdicts.append(verdict)
-        estimate.remember(wheels_rejected_since_ns=since_ns or event.t_ns, still_since_ns=None)
+        streak = after(estimate.memory.wheels_rejected, event.t_ns, is_accepted=False)
+        estimate.remember(wheels_rejected=streak, still_since_ns=None)
         return
     still_since_ns = estimate.memory.still_since_ns or event.t_ns
+    distance_m = _distance_m(estimate, event)
     estimate.remember(
-        wheels_rejected_since_ns=None,
+        distance_m=distance_m,
+        wheels_distance_m=distance_m,
+        wheels_mps=event.speed_mps,
+        wheels_rejected=None,
+        wheels_accepted_ns=event.t_ns,
         still_since_ns=still_since_ns if event.speed_mps == 0.0 else None,
     )
-    estimate.filter.correct(measurement)
+    # a hard start or stop, which the filter is slow to believe, is not to teach it a scale
+    estimate.filter.consider(measurement, States.ODOMETER_SCALE)
+
+
+def _patience_s(estimate: Estimate) -> float:
+    """How long wheels are rejected: while Doppler passes it is they that are wrong."""
+    streak, speed_ns = estimate.memory.wheels_rejected, estimate.memory.speed_accepted_ns
+    if streak is not None and speed_ns is not None and speed_ns > streak.since_ns:
+        return estimate.tuning.speed_relock_after_s
+    return estimate.tuning.wheels_relock_after_s
+
+
+def _distance_m(estimate: Estimate, event: WheelSpeed) -> float:
+    """Two wheel speeds tell the way between them better than what was predicted from the first."""
+    memory = estimate.memory
+    if memory.wheels_accepted_ns is None:
+        return memory.distance_m
+    elapsed_ns = event.t_ns - memory.wheels_accepted_ns
+    if elapsed_ns > TRAPEZOID_NS:
+        return memory.distance_m
+    measured_m = 0.5 * abs(memory.wheels_mps + event.speed_mps) * elapsed_ns * 1e-9
+    scale = float(estimate.filter.x[States.ODOMETER_SCALE])
+    return memory.wheels_distance_m + scale * measured_m
 
 
 def _pull_away(estimate: Estimate, t_ns: int) -> None:
     """Since the last wheel speed it was held still, yet may have driven off."""
     held_s = (t_ns - (estimate.memory.wheels_ns or t_ns)) * 1e-9
     gained_mps = estimate.tuning.acceleration_noise_mps_per_sqrt_s * math.sqrt(held_s)
-    estimate.filter.doubt(States.SPEED, gained_mps)
+    estimate.filter.doubt(States.WHEEL_SPEED, gained_mps)
 
 
 def stand_still(estimate: Estimate, event: Step) -> None:
@@ -61,10 +100,10 @@ def stand_still(estimate: Estimate, event: Step) -> None:
     std_radps = math.hypot(math.radians(tuning.standstill_gyro_std_degps), rounding_radps)
     rate_radps = turned_rad / still_s
     measurement = measurements.still_rate(estimate.filter.x, rate_radps, std_radps)
-    since_ns = estimate.memory.still_rate_rejected_since_ns
-    if has_lasted(since_ns, event.t_ns, tuning.bias_relock_after_s):
+    streak = estimate.memory.still_rate_rejected
+    if lasted_s(streak, event.t_ns) >= tuning.bias_relock_after_s:
         # another gyro, or one that was switched off and on
         estimate.filter.doubt(States.GYRO_BIAS, math.radians(tuning.gyro_bias_initial_std_degps))
         estimate.tell("standstill_gyro", event.t_ns, "another bias for long; learned anew")
     is_accepted = estimate.gated(measurement, event.t_ns, is_silent=True)
-    estimate.remember(still_rate_rejected_since_ns=since(is_accepted, since_ns, event.t_ns))
+    estimate.remember(still_rate_rejected=after(streak, event.t_ns, is_accepted=is_accepted))
