@@ -18,8 +18,13 @@ class Resolution:
         self.std = 0.0
         """Standard deviation of rounding to the step: step / sqrt(12)."""
 
-    def learn(self, value: float) -> None:
-        """Take a reading into account."""
-        if self._divisor != FINEST:
-            self._divisor = math.gcd(self._divisor, round(value / self._unit))
-            self.std = self._divisor * self._unit / math.sqrt(12.0)
+    def learn(self, value: float) -> bool:
+        """Take a reading into account; whether it tells of other steps than those before."""
+        before = self._divisor
+        if before == FINEST:
+            return False
+        self._divisor = math.gcd(before, round(value / self._unit))
+        if self._divisor == before:
+            return False
+        self.std = self._divisor * self._unit / math.sqrt(12.0)
+        return True
