@@ -51,9 +51,9 @@ class Keeper:
 
     def last(self, heard_ns: int | None) -> list[Saved]:
         """What to keep at the end; where the sensors have fallen silent before, that stands."""
-        return [] if is_silent(self._estimator.memory.t_ns, heard_ns) else self._now()
+        return [] if is_silent(self._estimator.t_ns, heard_ns) else self._now()
 
     def _now(self) -> list[Saved]:
         snapshot = self._estimator.snapshot()
-        saved = kept(snapshot, snapshot.memory.t_ns, self._temperature_c)
+        saved = kept(snapshot, snapshot.t_ns, self._temperature_c)
         return [] if saved is None else [saved]

@@ -11,10 +11,8 @@ from wayline_fusion.noise_scale import NoiseScale
 class Memory(msgspec.Struct, frozen=True):
     """All of it immutable, so that a rewind only has to take the old one back."""
 
-    t_ns: int = 0
     plane: LocalPlane | None = None
     heading_known: bool = False
-    distance_m: float = 0.0
     wheels_ns: int | None = None
     still_since_ns: int | None = None
     wheels_rejected_since_ns: int | None = None
