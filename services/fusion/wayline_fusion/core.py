@@ -251,9 +251,10 @@ class FusionCore:
         """Apply an event; told are its own verdicts, not those of events that it set back."""
         if not self._timeline.add(event):
             self._late += 1
-        verdicts = [v for v in self._estimator.take_verdicts() if v.t_ns == event.t_ns]
-        self._rejected += sum(not verdict.accepted for verdict in verdicts)
-        self._verdicts += verdicts
+        for verdict in self._estimator.take_verdicts():
+            if verdict.t_ns == event.t_ns:
+                self._rejected += not verdict.accepted
+                self._verdicts.append(verdict)
 
     def _has_can(self, t_ns: int) -> bool:
         heard = self._can_ns is not None and t_ns - self._can_ns <= SECOND_NS

@@ -6,6 +6,8 @@ LONGEST_HOLD_NS = 1_000_000_000
 """A rate is held this long when samples stop (SPEC section 2)."""
 KEPT_NS = 4_000_000_000
 TRIM_AT = 2_000
+RECENT = 32
+"""Samples; nearly all questions are of an instant among them."""
 
 
 class GyroTrack:
@@ -62,12 +64,13 @@ class GyroTrack:
 
     def _place(self, t_ns: int) -> int:
         """Of the first sample that is not before an instant."""
-        return bisect_left(self._times_ns, t_ns)
+        times = self._times_ns
+        recent = len(times) - RECENT
+        return bisect_left(times, t_ns, recent if recent > 0 and times[recent] < t_ns else 0)
 
     def _covered(self, t_ns: int) -> int | None:
         """Its place, where the sample before it is not too old to tell the rate."""
-        times = self._times_ns
-        place = bisect_left(times, t_ns)
+        times, place = self._times_ns, self._place(t_ns)
         if place == 0:
             return 0 if times else None
         return place if t_ns - times[place - 1] <= LONGEST_HOLD_NS else None

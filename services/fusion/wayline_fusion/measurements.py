@@ -61,7 +61,8 @@ def odometer(x: Floats, speed_mps: float, std_mps: float) -> Measurement:
     Linear in the state, as the derivatives hold only what was measured. Those of the measured
     speed by the state move with it, and each start and stop would then seem to tell of the scale.
     """
-    speed, scale = x[S.SPEED], x[S.ODOMETER_SCALE]
+    # numpy's own numbers are slow to calculate with
+    speed, scale = float(x[S.SPEED]), float(x[S.ODOMETER_SCALE])
     by_state = {S.SPEED: 1.0, S.ODOMETER_SCALE: -speed_mps}
     return _scalar("odometer", scale * speed_mps - speed, by_state, scale * std_mps)
 

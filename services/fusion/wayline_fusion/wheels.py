@@ -5,7 +5,7 @@ import math
 from wayline_fusion import measurements
 from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate, has_lasted, since
 from wayline_fusion.events import Step, WheelSpeed
-from wayline_fusion.gate import judge, nis_of
+from wayline_fusion.gate import judge, nis_of, threshold
 from wayline_fusion.states import States
 
 STILL_NS = 100_000_000
@@ -28,8 +28,8 @@ def take_wheel_speed(estimate: Estimate, event: WheelSpeed) -> None:
         estimate.filter.doubt(States.SPEED, SPEED_UNKNOWN_MPS)
         estimate.remember(still_since_ns=None)
     nis = nis_of(measurement, estimate.filter.expected(measurement))
-    verdict = judge("odometer", event.t_ns, nis, 1, estimate.tuning.gate_probability)
-    if not verdict.accepted:
+    if nis > threshold(1, estimate.tuning.gate_probability):
+        verdict = judge("odometer", event.t_ns, nis, 1, estimate.tuning.gate_probability)
         estimate.verdicts.append(verdict)
         estimate.remember(wheels_rejected_since_ns=since_ns or event.t_ns, still_since_ns=None)
         return
