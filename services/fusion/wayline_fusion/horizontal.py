@@ -124,7 +124,9 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         """Update the state with a measurement that was linearised at it."""
         H = measurement.H
         # filterpy takes H x off again, which leaves the innovation
-        self.update(measurement.y + H.dot(self.x), measurement.R, H)
+        z = measurement.y + H.dot(self.x)
+        # filterpy keeps a deep copy, which a plain number does not need
+        self.update(float(z[0]) if len(z) == 1 else z, measurement.R, H)
         self.x[S.HEADING] = wrap_pi(float(self.x[S.HEADING]))
 
     def place(self, east_m: float, north_m: float, std_m: float, doubt_m: float = 0.0) -> None:
