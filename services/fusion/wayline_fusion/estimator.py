@@ -8,7 +8,7 @@ from wayline.geo import LocalPlane
 from wayline.grid import LONGEST_GAP_NS
 from wayline.tuning import Tuning
 from wayline_fusion.estimate import Estimate
-from wayline_fusion.events import Event, Fix, GyroRestarted, Step, WheelSpeed
+from wayline_fusion.events import ClockStep, Event, Fix, GyroRestarted, Step, WheelSpeed
 from wayline_fusion.memory import Memory
 from wayline_fusion.moved import contradiction, tells_course
 from wayline_fusion.positions import place, take_position
@@ -65,7 +65,7 @@ class Estimator(Estimate):
             drift = math.radians(self.tuning.gyro_bias_drift_degps_per_c)
             bias_std = math.hypot(self.filter.std(States.GYRO_BIAS), drift * event.warmer_c)
             self.filter.doubt(States.GYRO_BIAS, bias_std)
-        else:
+        elif isinstance(event, ClockStep):
             self.filter.stray(float(self.filter.x[States.SPEED]) * event.step_s)
 
     def _advance_to(self, t_ns: int) -> None:
