@@ -28,7 +28,7 @@ class ClockSteps:
         ahead_ns = t_ns - newest_ns
         if ahead_ns > 0:
             self.newest_ns = t_ns
-        is_of_vehicle = isinstance(message, OF_VEHICLE)
+        is_of_vehicle = type(message) in OF_VEHICLE
         if is_of_vehicle:
             self._vehicle_ns = t_ns
         if vehicle_ns is None or 0 <= ahead_ns <= FORWARD_NS:

@@ -147,7 +147,7 @@ class FusionCore:
         t_ns, rate_degps = gyro.t_ns, gyro.yaw_rate_degps
         if rate_degps is not None:
             self._can_ns = t_ns
-            if self._rate_steps.learn(rate_degps):
+            if not self._rate_steps.settled and self._rate_steps.learn(rate_degps):
                 rounding_degps = min(self._rate_steps.std, GYRO_ROUNDING_MAX_DEGPS)
                 self._rate_rounding_radps = math.radians(rounding_degps)
             self._estimator.take_gyro(t_ns, math.radians(rate_degps), self._rate_rounding_radps)

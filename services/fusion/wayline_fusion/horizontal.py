@@ -194,7 +194,8 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def std(self, state: int) -> float:
         """One sigma of a state."""
-        return math.sqrt(max(float(self.P[state, state]), 0.0))
+        variance: float = self.P.item(state, state)
+        return 0.0 if variance < 0.0 else math.sqrt(variance)
 
     def slow_std_m(self, std_m: float) -> float:
         """The part of a fix's std that varies slowly."""

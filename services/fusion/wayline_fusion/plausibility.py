@@ -77,9 +77,10 @@ class Plausibility:
 
     def refusal(self, message: msgspec.Struct, source: str) -> str | None:
         """Why a message is not to be used; None for a plausible one."""
-        if isinstance(message, Gyro):
+        if type(message) is Gyro:
             rate_degps = message.yaw_rate_degps
-            if rate_degps is None or abs(rate_degps) <= self._slow_turn_degps:
+            slow_degps = self._slow_turn_degps
+            if rate_degps is None or -slow_degps <= rate_degps <= slow_degps:
                 return None
             return self._of_turn(message.t_ns, rate_degps)
         if isinstance(message, Odometer):

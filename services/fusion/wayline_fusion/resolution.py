@@ -15,16 +15,16 @@ class Resolution:
     def __init__(self, unit: float) -> None:
         self._unit = unit
         self._divisor = 0
+        self.settled = False
+        """Whether no reading can tell of finer steps."""
         self.std = 0.0
         """Standard deviation of rounding to the step: step / sqrt(12)."""
 
     def learn(self, value: float) -> bool:
         """Take a reading into account; whether it tells of other steps than those before."""
-        before = self._divisor
-        if before == FINEST:
+        divisor = math.gcd(self._divisor, round(value / self._unit))
+        if divisor == self._divisor:
             return False
-        self._divisor = math.gcd(before, round(value / self._unit))
-        if self._divisor == before:
-            return False
+        self._divisor, self.settled = divisor, divisor == FINEST
         self.std = self._divisor * self._unit / math.sqrt(12.0)
         return True

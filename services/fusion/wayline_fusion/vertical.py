@@ -119,7 +119,8 @@ class VerticalFilter:
 
     def std(self, state: int) -> float:
         """One sigma of a state, in the state's own unit."""
-        return math.sqrt(max(float(self._filter.P[state, state]), 0.0))
+        variance: float = self._filter.P.item(state, state)
+        return 0.0 if variance < 0.0 else math.sqrt(variance)
 
     def _nis(self, value: float, H: np.ndarray, std_m: float) -> float:
         innovation = value - float((H @ self._filter.x)[0])
