@@ -23,7 +23,7 @@ class Loose(Estimator):
     @property
     def progress(self) -> Progress:
         """How far the vehicle has come."""
-        return Progress(self.t_ns, self.distance_m, bool(self.filter.x[S.SPEED] < 0.0))
+        return Progress(self.t_ns, self.distance_m, float(self.filter.x[S.SPEED]) < 0.0)
 
     def motion(self) -> Motion:
         """Where the vehicle is now."""
