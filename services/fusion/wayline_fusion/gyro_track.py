@@ -5,8 +5,7 @@ from bisect import bisect_left
 LONGEST_HOLD_NS = 1_000_000_000
 """A rate is held this long when samples stop (SPEC section 2)."""
 KEPT_NS = 4_000_000_000
-TRIM_AFTER_NS = 2 * KEPT_NS
-"""Dropped are many samples at once: a list moves all that follow."""
+TRIM_AT = 2_000
 RECENT = 32
 """Samples; nearly all questions are of an instant among them."""
 
@@ -35,7 +34,7 @@ class GyroTrack:
         times_ns.append(t_ns)
         self._angles_rad.append(angle_rad)
         self._rates_radps.append(rate_radps)
-        if t_ns - times_ns[0] > TRIM_AFTER_NS:
+        if len(times_ns) > TRIM_AT:
             self._trim(t_ns - KEPT_NS)
 
     def turned_rad(self, from_ns: int, to_ns: int) -> float | None:
