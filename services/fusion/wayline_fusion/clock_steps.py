@@ -25,13 +25,14 @@ class ClockSteps:
     def step_s(self, message: Message) -> float | None:
         """How far the clock has stepped just before a message; None where it has not."""
         t_ns, newest_ns, vehicle_ns = message.t_ns, self.newest_ns, self._vehicle_ns
-        self.newest_ns = max(newest_ns, t_ns)
-        is_of_vehicle = isinstance(message, OF_VEHICLE)
+        ahead_ns = t_ns - newest_ns
+        if ahead_ns > 0:
+            self.newest_ns = t_ns
+        is_of_vehicle = type(message) in OF_VEHICLE
         if is_of_vehicle:
             self._vehicle_ns = t_ns
-        if vehicle_ns is None:
+        if vehicle_ns is None or 0 <= ahead_ns <= FORWARD_NS:
             return None
-        ahead_ns = t_ns - newest_ns
         if FORWARD_NS < ahead_ns <= LONGEST_GAP_NS and newest_ns - vehicle_ns <= BACK_NS:
             return ahead_ns * 1e-9
         back_ns = vehicle_ns - t_ns

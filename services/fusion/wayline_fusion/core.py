@@ -46,6 +46,9 @@ ARCHITECTURES: Mapping[str, Callable[[Tuning], Architecture]] = {
 }
 """What `[tuning] architecture` may name."""
 
+Taker = Callable[[Any, str], Sequence[Message | Record]]
+"""Takes one kind of input."""
+
 SECOND_NS = 1_000_000_000
 OUTAGE_NS = 2_000_000_000
 """Without an accepted fix this long, the pose is dead reckoning (SPEC section 2)."""
@@ -70,6 +73,8 @@ class FusionCore:
         self._estimator = estimator = ARCHITECTURES[tuning.architecture](tuning)
         # the other architectures learn nothing
         self._keeper = Keeper(estimator, saved, tuning) if isinstance(estimator, Loose) else None
+        self._beginning = self._keeper
+        """Until what was kept is taken up."""
         self._timeline: Timeline[Event, Any] = Timeline(
             self._estimator.apply,
             self._estimator.snapshot,
@@ -84,6 +89,7 @@ class FusionCore:
         self._wheel_steps = Resolution(1e-4)
         self._pressure_steps = Resolution(0.1)
         self._rate_steps = Resolution(1e-4)
+        self._rate_rounding_radps = 0.0
         self._pressure_altitude_m: float | None = None
         self._reverse = False
         self._can_ns: int | None = None
@@ -96,68 +102,75 @@ class FusionCore:
         self._late = 0
         self._rejected = 0
         self._verdicts: list[Verdict] = []
+        self._takers: dict[type[msgspec.Struct], Taker] = {
+            Gyro: self._gyro,
+            Odometer: self._odometer,
+            GpsFix: self._gps_fix,
+            Barometer: self._barometer,
+            Tick: self._tick,
+            Flush: self._flush,
+        }
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
         """Take a fix, a sensor's message or a Tick; return the poses and status due."""
-        if isinstance(message, Message) and self._is_refused(message, source):
-            return ()
-        if self._keeper is not None and isinstance(message, Message):
-            self._keeper.begin(message.t_ns)
-        if isinstance(message, Gyro):
-            self._gyro(message)
-        elif isinstance(message, Tick):
-            return self._tick(message.t_ns)
-        elif isinstance(message, Odometer):
-            self._odometer(message)
-        elif isinstance(message, GpsFix):
-            return self._gps_fix(message)
-        elif isinstance(message, Barometer):
-            self._barometer(message)
-        elif isinstance(message, Flush) and self._keeper is not None:
-            return self._keeper.last(self._heard_ns())
-        return ()
+        taker = self._takers.get(type(message))
+        return () if taker is None else taker(message, source)
 
     def _is_refused(self, message: Message, source: str) -> bool:
-        """Notice a step of the clock, and a reading that cannot be: counted, one a second told."""
+        """Whether a reading cannot be; first of all a step of the clock is noticed."""
         step_s = self._clock_steps.step_s(message)
         if step_s is not None:
             self._add(ClockStep(self._clock_steps.newest_ns, step_s))
         reason = self._plausibility.refusal(message, source)
-        if reason is None:
-            return False
+        if reason is not None:
+            self._refuse(message, reason)
+            return True
+        if self._beginning is not None and self._beginning.begin(message.t_ns):
+            self._beginning = None
+        return False
+
+    def _refuse(self, message: Message, reason: str) -> None:
+        """Count a reading that cannot be; one a second is told."""
         self._rejected += 1
         sensor, t_ns = SENSORS[type(message)], self._clock_steps.newest_ns
         if t_ns - self._refused_ns.get(sensor, 0) >= SECOND_NS:
             self._refused_ns[sensor] = t_ns
             self._verdicts.append(refused(sensor, message.t_ns, reason))
-        return True
 
-    def _gyro(self, gyro: Gyro) -> None:
+    def _gyro(self, gyro: Gyro, source: str) -> Sequence[Message]:
+        if self._is_refused(gyro, source):
+            return ()
         if gyro.temperature_c is not None and self._keeper is not None:
             restarted = self._keeper.take_temperature(gyro.t_ns, gyro.temperature_c)
             if restarted is not None:
                 self._add(restarted)
-        if gyro.yaw_rate_degps is not None:
-            self._can_ns = gyro.t_ns
-            self._rate_steps.learn(gyro.yaw_rate_degps)
-            rounding_degps = min(self._rate_steps.std, GYRO_ROUNDING_MAX_DEGPS)
-            self._estimator.take_gyro(
-                gyro.t_ns, math.radians(gyro.yaw_rate_degps), math.radians(rounding_degps)
-            )
+        t_ns, rate_degps = gyro.t_ns, gyro.yaw_rate_degps
+        if rate_degps is not None:
+            self._can_ns = t_ns
+            if not self._rate_steps.settled and self._rate_steps.learn(rate_degps):
+                rounding_degps = min(self._rate_steps.std, GYRO_ROUNDING_MAX_DEGPS)
+                self._rate_rounding_radps = math.radians(rounding_degps)
+            self._estimator.take_gyro(t_ns, math.radians(rate_degps), self._rate_rounding_radps)
+        return ()
 
-    def _odometer(self, odometer: Odometer) -> None:
+    def _odometer(self, odometer: Odometer, source: str) -> Sequence[Message]:
+        if self._is_refused(odometer, source):
+            return ()
         if odometer.reverse is not None:
             self._reverse = odometer.reverse
         if odometer.speed_mps is None:
-            return
+            return ()
         self._can_ns = odometer.t_ns
         self._wheel_steps.learn(odometer.speed_mps)
         rounding_mps = min(self._wheel_steps.std, KMH_MPS)
         std_mps = math.hypot(rounding_mps, self._tuning.odometer_std_mps)
         signed_mps = -odometer.speed_mps if self._reverse else odometer.speed_mps
         self._add(WheelSpeed(odometer.t_ns, signed_mps, std_mps))
+        return ()
 
-    def _gps_fix(self, fix: GpsFix) -> Sequence[Message]:
+    def _gps_fix(self, fix: GpsFix, source: str) -> Sequence[Message]:
+        if self._is_refused(fix, source):
+            return ()
         fix = within_reason(fix)
         if not fix.valid or fix.lat_deg is None or fix.lon_deg is None:
             return ()
@@ -197,18 +210,22 @@ class FusionCore:
             speed_derived=fix.speed_derived or fix.speed_mps is None,
         )
 
-    def _barometer(self, barometer: Barometer) -> None:
+    def _barometer(self, barometer: Barometer, source: str) -> Sequence[Message]:
+        if self._is_refused(barometer, source):
+            return ()
         pressure_pa = barometer.pressure_pa
         if pressure_pa is None or "barometer" not in self._tuning.vertical_sensors:
-            return
+            return ()
         self._pressure_steps.learn(pressure_pa)
         rounding_m = self._pressure_steps.std * metres_per_pascal(pressure_pa)
         if rounding_m <= self._tuning.baro_resolution_std_max_m and self._vertical.known:
             self._climb()
             std_m = math.hypot(rounding_m, self._tuning.baro_std_m)
             self._vertical.barometer(pressure_altitude_m(pressure_pa), std_m)
+        return ()
 
-    def _tick(self, t_ns: int) -> Sequence[Message | Record]:
+    def _tick(self, tick: Tick, _: str) -> Sequence[Message | Record]:
+        t_ns = tick.t_ns
         self._add(Step(t_ns))
         messages: list[Message | Record] = []
         on_second = t_ns % SECOND_NS == 0
@@ -223,6 +240,9 @@ class FusionCore:
             messages += self._keeper.due(t_ns, self._heard_ns())
         return messages
 
+    def _flush(self, _: Flush, __: str) -> Sequence[Record]:
+        return [] if self._keeper is None else self._keeper.last(self._heard_ns())
+
     def _heard_ns(self) -> int | None:
         """When a sensor said something for the last time."""
         return max(self._can_ns or 0, self._fix_ns or 0) or None
@@ -231,9 +251,10 @@ class FusionCore:
         """Apply an event; told are its own verdicts, not those of events that it set back."""
         if not self._timeline.add(event):
             self._late += 1
-        verdicts = [v for v in self._estimator.take_verdicts() if v.t_ns == event.t_ns]
-        self._rejected += sum(not verdict.accepted for verdict in verdicts)
-        self._verdicts += verdicts
+        for verdict in self._estimator.take_verdicts():
+            if verdict.t_ns == event.t_ns:
+                self._rejected += not verdict.accepted
+                self._verdicts.append(verdict)
 
     def _has_can(self, t_ns: int) -> bool:
         heard = self._can_ns is not None and t_ns - self._can_ns <= SECOND_NS

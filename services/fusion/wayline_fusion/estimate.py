@@ -29,8 +29,14 @@ class Estimate:
         self.gyro = GyroTrack()
         self.gyro_rounding_radps = 0.0
         """Std of the gyro's steps."""
+        self.t_ns = 0
+        """What is believed is believed of this instant; 0 before the first event."""
+        self.distance_m = 0.0
+        """Travelled since the start."""
         self.memory = Memory()
         self.tuning = tuning
+        self._turn_noise = math.radians(tuning.gyro_noise_deg_per_sqrt_s)
+        self._bias_walk = math.radians(tuning.gyro_bias_walk_degps_per_sqrt_s)
         self.verdicts: list[Verdict] = []
 
     def take_verdicts(self) -> list[Verdict]:
@@ -44,13 +50,13 @@ class Estimate:
         since_ns = self.memory.still_since_ns
         if since_ns is None or not self.wheels_fresh:
             return False
-        return self.memory.t_ns - since_ns >= self.tuning.standstill_after_s * 1e9
+        return self.t_ns - since_ns >= self.tuning.standstill_after_s * 1e9
 
     @property
     def wheels_fresh(self) -> bool:
         """Whether there is a recent wheel speed."""
         wheels_ns = self.memory.wheels_ns
-        return wheels_ns is not None and self.memory.t_ns - wheels_ns <= WHEELS_FRESH_NS
+        return wheels_ns is not None and self.t_ns - wheels_ns <= WHEELS_FRESH_NS
 
     @property
     def located(self) -> bool:
@@ -76,10 +82,9 @@ class Estimate:
         """What is known of this gyro, learned or configured."""
         return DrivingNoise(
             math.hypot(
-                math.radians(self.tuning.gyro_noise_deg_per_sqrt_s),
-                self.gyro_rounding_radps * math.sqrt(ROUNDING_CORRELATION_S),
+                self._turn_noise, self.gyro_rounding_radps * math.sqrt(ROUNDING_CORRELATION_S)
             ),
-            math.radians(self.tuning.gyro_bias_walk_degps_per_sqrt_s) * self.memory.wander.multiple,
+            self._bias_walk * self.memory.wander.multiple,
         )
 
     def gated(self, measurement: Measurement, t_ns: int, *, is_silent: bool = False) -> bool:

@@ -1,10 +1,8 @@
 """Pure: the horizontal estimator: events in, state forward, verdicts out; can be set back."""
 
 import math
-from typing import NamedTuple
 
 import msgspec
-import numpy as np
 
 from wayline.geo import LocalPlane
 from wayline.grid import LONGEST_GAP_NS
@@ -18,15 +16,17 @@ from wayline_fusion.states import Floats, States
 from wayline_fusion.velocities import take_course, take_speed
 from wayline_fusion.wheels import stand_still, take_wheel_speed
 
-LONGEST_STEP_S = 0.5
+LONGEST_STEP_NS = 500_000_000
 PLANE_RADIUS_M = 1_000.0
 """The local plane moves along when the vehicle is this far from its origin."""
 SOUND_EVERY_NS = 1_000_000_000
 
 
-class Snapshot(NamedTuple):
+class Snapshot(msgspec.Struct, frozen=True, gc=False):
     """Everything that a rewind sets back."""
 
+    t_ns: int
+    distance_m: float
     x: Floats
     P: Floats
     memory: Memory
@@ -41,62 +41,63 @@ class Estimator(Estimate):
 
     def snapshot(self) -> Snapshot:
         """Copy of the state, for a rewind."""
-        return Snapshot(self.filter.x, self.filter.P, self.memory)
+        kalman = self.filter
+        return Snapshot(self.t_ns, self.distance_m, kalman.x, kalman.P, self.memory)
 
     def restore(self, snapshot: Snapshot) -> None:
         """Set everything back to a snapshot."""
+        self.t_ns, self.distance_m = snapshot.t_ns, snapshot.distance_m
         self.filter.x, self.filter.P = snapshot.x.copy(), snapshot.P.copy()
         self.memory = snapshot.memory
 
     def apply(self, event: Event) -> None:
         """Bring the state forward to an event and take it in."""
         self._advance_to(event.t_ns)
-        if isinstance(event, Fix):
-            self._fix(event)
+        if isinstance(event, Step):
+            if self.standing:
+                stand_still(self, event)
+            self._keep_sound(event.t_ns)
         elif isinstance(event, WheelSpeed):
             take_wheel_speed(self, event)
+        elif isinstance(event, Fix):
+            self._fix(event)
         elif isinstance(event, GyroRestarted):
             drift = math.radians(self.tuning.gyro_bias_drift_degps_per_c)
             bias_std = math.hypot(self.filter.std(States.GYRO_BIAS), drift * event.warmer_c)
             self.filter.doubt(States.GYRO_BIAS, bias_std)
         elif isinstance(event, ClockStep):
             self.filter.stray(self.filter.speed_mps * event.step_s)
-        elif self.standing:
-            stand_still(self, event)
-        if isinstance(event, Step):
-            self._keep_sound(event.t_ns)
 
     def _advance_to(self, t_ns: int) -> None:
-        memory = self.memory
-        if memory.t_ns == 0:
-            self.remember(t_ns=t_ns)
+        began_ns = self.t_ns
+        elapsed_ns = t_ns - began_ns
+        if began_ns == 0:
+            self.t_ns = t_ns
             return
-        total_s = (t_ns - memory.t_ns) * 1e-9
-        if total_s <= 0.0:
+        if elapsed_ns <= 0:
             return
-        if total_s > LONGEST_GAP_NS * 1e-9:
+        if elapsed_ns > LONGEST_GAP_NS:
             self._start_over(t_ns)
             return
-        steps = math.ceil(total_s / LONGEST_STEP_S - 1e-9)
-        noise = self.driving_noise()
-        distance_m = memory.distance_m
-        for step in range(steps):
-            from_ns = memory.t_ns + (t_ns - memory.t_ns) * step // steps
-            to_ns = memory.t_ns + (t_ns - memory.t_ns) * (step + 1) // steps
+        kalman, noise, standing = self.filter, self.driving_noise(), self.standing
+        steps = -(-elapsed_ns // LONGEST_STEP_NS)
+        from_ns = began_ns
+        for step in range(1, steps + 1):
+            to_ns = began_ns + elapsed_ns * step // steps
             dt_s = (to_ns - from_ns) * 1e-9
             turn_rad = self.gyro.turned_rad(from_ns, to_ns)
-            speed_mps = self.filter.speed_mps
-            self.filter.advance(dt_s, turn_rad, noise, standing=self.standing)
-            distance_m += 0.5 * abs(speed_mps + self.filter.speed_mps) * dt_s
-        self.remember(t_ns=t_ns, distance_m=distance_m)
+            speed_mps = kalman.speed_mps
+            kalman.advance(dt_s, turn_rad, noise, standing=standing)
+            self.distance_m += 0.5 * abs(speed_mps + kalman.speed_mps) * dt_s
+            from_ns = to_ns
+        self.t_ns = t_ns
         self._move_plane()
 
     def _start_over(self, t_ns: int) -> None:
         """After a silence that no prediction can bridge only the calibration is still good."""
         self.filter.forget_motion()
-        distance_m = self.memory.distance_m
-        self.memory = msgspec.structs.replace(
-            Memory(t_ns=t_ns, distance_m=distance_m),
+        self.t_ns = t_ns
+        self.memory = Memory(
             position_noise=self.memory.position_noise,
             velocity_noise=self.memory.velocity_noise,
             wander=self.memory.wander,
@@ -105,9 +106,10 @@ class Estimator(Estimate):
     def _move_plane(self) -> None:
         """Put the origin under the vehicle; north turns by the convergence of the meridians."""
         plane, x = self.memory.plane, self.filter.x
-        if plane is None or math.hypot(x[States.EAST], x[States.NORTH]) < PLANE_RADIUS_M:
+        east_m, north_m = float(x[States.EAST]), float(x[States.NORTH])
+        if plane is None or math.hypot(east_m, north_m) < PLANE_RADIUS_M:
             return
-        lat_deg, lon_deg = plane.to_geodetic(float(x[States.EAST]), float(x[States.NORTH]))
+        lat_deg, lon_deg = plane.to_geodetic(east_m, north_m)
         convergence_deg = (lon_deg - plane.lon_deg) * math.sin(math.radians(lat_deg))
         moved = x.copy()
         moved[States.EAST] = moved[States.NORTH] = 0.0
@@ -144,15 +146,16 @@ class Estimator(Estimate):
     def _keep_sound(self, t_ns: int) -> None:
         """Notice lost numbers; a good state is kept now and then."""
         kalman = self.filter
-        # a NaN goes through a product as through a sum, which takes numpy three times as long
-        if not math.isfinite(np.vdot(kalman.x, kalman.x) + np.vdot(kalman.P, kalman.P)):
+        # one number that is none makes the whole product none
+        if not math.isfinite(kalman.x.dot(kalman.P).dot(kalman.x)):
             self._recover(t_ns)
-        elif t_ns - self._sound.memory.t_ns >= SOUND_EVERY_NS:
+        elif t_ns - self._sound.t_ns >= SOUND_EVERY_NS:
             self._sound = self.snapshot()
 
     def _recover(self, t_ns: int) -> None:
         """Start anew with the last calibration that had numbers, and say so."""
         self.filter.x, self.filter.P = self._sound.x.copy(), self._sound.P.copy()
         self.filter.forget_motion()
-        self.memory = Memory(t_ns=t_ns, distance_m=self._sound.memory.distance_m)
+        self.memory = Memory()
+        self.t_ns, self.distance_m = t_ns, self._sound.distance_m
         self.tell("filter", t_ns, "lost its numbers; restarted with the last good calibration")

@@ -6,6 +6,8 @@ LONGEST_HOLD_NS = 1_000_000_000
 """A rate is held this long when samples stop (SPEC section 2)."""
 KEPT_NS = 4_000_000_000
 TRIM_AT = 2_000
+RECENT = 32
+"""Samples; nearly all questions are of an instant among them."""
 
 
 class GyroTrack:
@@ -37,33 +39,44 @@ class GyroTrack:
 
     def turned_rad(self, from_ns: int, to_ns: int) -> float | None:
         """Measured turn between two instants; None where the gyro was silent at the end."""
-        if not self.covers(to_ns):
+        place = self._covered(to_ns)
+        if place is None:
             return None
-        return self._angle_at(to_ns) - self._angle_at(from_ns)
+        return self._angle(to_ns, place) - self._angle(from_ns, self._place(from_ns))
 
     def angle_rad(self, t_ns: int) -> float | None:
         """Measured turn since the gyro began; None where it was silent."""
-        return self._angle_at(t_ns) if self.covers(t_ns) else None
+        place = self._covered(t_ns)
+        return None if place is None else self._angle(t_ns, place)
 
     def covers(self, t_ns: int) -> bool:
         """Whether a sample no older than the longest hold tells the rate at an instant."""
-        if not self._times_ns or t_ns > self._times_ns[-1] + LONGEST_HOLD_NS:
-            return False
-        place = bisect_left(self._times_ns, t_ns)
-        return place == 0 or t_ns - self._times_ns[place - 1] <= LONGEST_HOLD_NS
+        return self._covered(t_ns) is not None
 
     def rate_radps(self, t_ns: int) -> float | None:
         """Measured rate at or just before an instant; None where the gyro was silent."""
-        if not self.covers(t_ns):
+        place = self._covered(t_ns)
+        if place is None:
             return None
-        place = bisect_left(self._times_ns, t_ns)
         if place < len(self._times_ns) and self._times_ns[place] == t_ns:
             return self._rates_radps[place]
         return self._rates_radps[max(place - 1, 0)]
 
-    def _angle_at(self, t_ns: int) -> float:
+    def _place(self, t_ns: int) -> int:
+        """Of the first sample that is not before an instant."""
         times = self._times_ns
-        place = bisect_left(times, t_ns)
+        recent = len(times) - RECENT
+        return bisect_left(times, t_ns, recent if recent > 0 and times[recent] < t_ns else 0)
+
+    def _covered(self, t_ns: int) -> int | None:
+        """Its place, where the sample before it is not too old to tell the rate."""
+        times, place = self._times_ns, self._place(t_ns)
+        if place == 0:
+            return 0 if times else None
+        return place if t_ns - times[place - 1] <= LONGEST_HOLD_NS else None
+
+    def _angle(self, t_ns: int, place: int) -> float:
+        times = self._times_ns
         if place == 0:
             return self._angles_rad[0] + self._rates_radps[0] * (t_ns - times[0]) * 1e-9
         if place == len(times):

@@ -158,7 +158,9 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         """Update the state with a measurement that was linearised at it."""
         H = measurement.H
         # filterpy takes H x off again, which leaves the innovation
-        self.update(measurement.y + H.dot(self.x), measurement.R, H)
+        z = measurement.y + H.dot(self.x)
+        # filterpy keeps a deep copy, which a plain number does not need
+        self.update(float(z[0]) if len(z) == 1 else z, measurement.R, H)
         self.x[S.HEADING] = wrap_pi(float(self.x[S.HEADING]))
 
     def consider(self, measurement: Measurement, state: int) -> None:
@@ -262,7 +264,8 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def std(self, state: int) -> float:
         """One sigma of a state."""
-        return math.sqrt(max(float(self.P[state, state]), 0.0))
+        variance: float = self.P.item(state, state)
+        return 0.0 if variance < 0.0 else math.sqrt(variance)
 
     def slow_std_m(self, std_m: float) -> float:
         """The part of a fix's std that varies slowly."""

@@ -21,21 +21,22 @@ class Keeper:
         self._kept_temperature_c = saved.calibration.gyro_temperature_c if saved else None
         self._temperature_c: float | None = None
 
-    def begin(self, t_ns: int) -> None:
-        """Called with the instant of every message, before the estimator gets it.
+    def begin(self, t_ns: int) -> bool:
+        """Called with a message's instant, before the estimator gets it, until it says True.
 
         The bus's history may begin with messages of before the restart: they are calibrated, and
         if they do not tell where the vehicle is, the first one of later is placed.
         """
         saved = self._saved
         if saved is None:
-            return
+            return True
         is_later = is_after(saved, t_ns)
         if is_later:
             self._saved = None
         if not (self._is_calibrated and (self._estimator.located or not is_later)):
             self._is_calibrated = True
             self._estimator.restore(resumed(saved, self._unknowing, t_ns, self._tuning))
+        return is_later
 
     def take_temperature(self, t_ns: int, temperature_c: float) -> GyroRestarted | None:
         """Of the gyro; the first one says how far what was kept of its bias still holds."""
@@ -50,9 +51,9 @@ class Keeper:
 
     def last(self, heard_ns: int | None) -> list[Saved]:
         """What to keep at the end; where the sensors have fallen silent before, that stands."""
-        return [] if is_silent(self._estimator.memory.t_ns, heard_ns) else self._now()
+        return [] if is_silent(self._estimator.t_ns, heard_ns) else self._now()
 
     def _now(self) -> list[Saved]:
         snapshot = self._estimator.snapshot()
-        saved = kept(snapshot, snapshot.memory.t_ns, self._temperature_c)
+        saved = kept(snapshot, snapshot.t_ns, self._temperature_c)
         return [] if saved is None else [saved]

@@ -23,9 +23,7 @@ class Loose(Estimator):
     @property
     def progress(self) -> Progress:
         """How far the vehicle has come."""
-        return Progress(
-            self.memory.t_ns, self.memory.distance_m, bool(self.filter.x[S.WHEEL_SPEED] < 0.0)
-        )
+        return Progress(self.t_ns, self.distance_m, float(self.filter.x[S.WHEEL_SPEED]) < 0.0)
 
     def motion(self) -> Motion:
         """Where the vehicle is now."""
@@ -33,7 +31,7 @@ class Loose(Estimator):
         place_deg = self.geodetic()
         moving = place_deg is not None or self.wheels_fresh
         return Motion(
-            t_ns=memory.t_ns,
+            t_ns=self.t_ns,
             accepted_fix_ns=memory.accepted_fix_ns,
             place_deg=place_deg,
             east_std_m=kalman.std(S.EAST),
@@ -48,7 +46,7 @@ class Loose(Estimator):
         )
 
     def _yaw_rate_degps(self) -> float | None:
-        rate_radps, x = self.gyro.rate_radps(self.memory.t_ns), self.filter.x
+        rate_radps, x = self.gyro.rate_radps(self.t_ns), self.filter.x
         if rate_radps is None:
             return None
         return math.degrees(float(x[S.GYRO_SCALE]) * (rate_radps - float(x[S.GYRO_BIAS])))

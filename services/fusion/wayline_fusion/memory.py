@@ -1,5 +1,7 @@
 """Pure: what the horizontal estimator knows besides its filter's state."""
 
+from typing import NamedTuple
+
 import msgspec
 
 from wayline.geo import LocalPlane
@@ -9,20 +11,23 @@ from wayline_fusion.noise_scale import NoiseScale
 from wayline_fusion.streak import Streak
 
 
+class Rolled(NamedTuple):
+    """A wheel speed, as measured, and the distance at its instant."""
+
+    t_ns: int
+    speed_mps: float
+    distance_m: float
+
+
 class Memory(msgspec.Struct, frozen=True):
     """All of it immutable, so that a rewind only has to take the old one back."""
 
-    t_ns: int = 0
     plane: LocalPlane | None = None
     heading_known: bool = False
-    distance_m: float = 0.0
     wheels_ns: int | None = None
     still_since_ns: int | None = None
-    wheels_accepted_ns: int | None = None
-    wheels_mps: float = 0.0
-    """The one accepted then, as measured..."""
-    wheels_distance_m: float = 0.0
-    """...and the distance there."""
+    rolled: Rolled | None = None
+    """The last wheel speed that was believed."""
     wheels_rejected: Streak | None = None
     placed_ns: int | None = None
     """When the position was last set to a fix, not corrected with one."""

@@ -58,6 +58,13 @@ def _within(bounds: tuple[float, float], value: float | None) -> float | None:
     return None if value is None else min(max(value, bounds[0]), bounds[1])
 
 
+def _slow_turn_degps(speed_mps: float) -> float:
+    """The fastest turn that is possible at a speed."""
+    if speed_mps <= 0.0:
+        return FASTEST_TURN_DEGPS
+    return min(math.degrees(HARDEST_TURN_MPS2 / speed_mps), FASTEST_TURN_DEGPS)
+
+
 class Plausibility:
     """Holds each reading of one vehicle against what its wheels say."""
 
@@ -65,11 +72,17 @@ class Plausibility:
         self._wheels: Odometer | None = None
         self._receivers: dict[str, FrozenReceiver] = {}
         self._driven_m = 0.0
+        self._slow_turn_degps = FASTEST_TURN_DEGPS
+        """Turns as slow as this are possible at the last speed, however old it is."""
 
     def refusal(self, message: msgspec.Struct, source: str) -> str | None:
         """Why a message is not to be used; None for a plausible one."""
-        if isinstance(message, Gyro):
-            return self._of_gyro(message)
+        if type(message) is Gyro:
+            rate_degps = message.yaw_rate_degps
+            slow_degps = self._slow_turn_degps
+            if rate_degps is None or -slow_degps <= rate_degps <= slow_degps:
+                return None
+            return self._of_turn(message.t_ns, rate_degps)
         if isinstance(message, Odometer):
             return self._of_wheels(message)
         if isinstance(message, GpsFix) and message.valid:
@@ -79,13 +92,10 @@ class Plausibility:
             return None if least_pa <= message.pressure_pa <= most_pa else "no road has such air"
         return None
 
-    def _of_gyro(self, gyro: Gyro) -> str | None:
-        rate_degps = gyro.yaw_rate_degps
-        if rate_degps is None:
-            return None
+    def _of_turn(self, t_ns: int, rate_degps: float) -> str | None:
         if abs(rate_degps) > FASTEST_TURN_DEGPS:
             return "no vehicle turns so fast"
-        sideways_mps2 = math.radians(abs(rate_degps)) * self._speed_mps(gyro.t_ns)
+        sideways_mps2 = math.radians(abs(rate_degps)) * self._speed_mps(t_ns)
         return (
             "no vehicle turns so fast at its speed" if sideways_mps2 > HARDEST_TURN_MPS2 else None
         )
@@ -99,6 +109,7 @@ class Plausibility:
         if before is not None and 0 < wheels.t_ns - before.t_ns <= SPEED_HELD_NS:
             self._driven_m += wheels.speed_mps * (wheels.t_ns - before.t_ns) * 1e-9
         self._wheels = wheels
+        self._slow_turn_degps = _slow_turn_degps(wheels.speed_mps)
         return None
 
     def _of_fix(self, fix: GpsFix, source: str) -> str | None:

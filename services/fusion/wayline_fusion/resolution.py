@@ -15,11 +15,16 @@ class Resolution:
     def __init__(self, unit: float) -> None:
         self._unit = unit
         self._divisor = 0
+        self.settled = False
+        """Whether no reading can tell of finer steps."""
         self.std = 0.0
         """Standard deviation of rounding to the step: step / sqrt(12)."""
 
-    def learn(self, value: float) -> None:
-        """Take a reading into account."""
-        if self._divisor != FINEST:
-            self._divisor = math.gcd(self._divisor, round(value / self._unit))
-            self.std = self._divisor * self._unit / math.sqrt(12.0)
+    def learn(self, value: float) -> bool:
+        """Take a reading into account; whether it tells of other steps than those before."""
+        divisor = math.gcd(self._divisor, round(value / self._unit))
+        if divisor == self._divisor:
+            return False
+        self._divisor, self.settled = divisor, divisor == FINEST
+        self.std = self._divisor * self._unit / math.sqrt(12.0)
+        return True

@@ -38,7 +38,7 @@ USEFUL_STD_M, USEFUL_STD_DEG = 100.0, 30.0
 
 def kept(snapshot: Snapshot, t_ns: int, gyro_temperature_c: float | None) -> Saved | None:
     """All that is worth keeping of a state; None of one that has lost its numbers."""
-    x, covariance, memory = snapshot
+    x, covariance, memory = snapshot.x, snapshot.P, snapshot.memory
     if not math.isfinite(float(x.sum()) + float(covariance.sum())):
         return None
     stds = np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -125,12 +125,11 @@ def _calibrated(saved: Saved, fresh: Snapshot, t_ns: int, tuning: Tuning) -> Sna
     covariance[np.ix_(at, at)] = aged * np.outer(shrink, shrink)
     memory = msgspec.structs.replace(
         fresh.memory,
-        t_ns=t_ns,
         position_noise=NoiseScale(factor=known.position_noise_factor),
         velocity_noise=NoiseScale(factor=known.velocity_noise_factor),
         wander=BiasWander(factor=known.bias_wander_factor),
     )
-    return Snapshot(x, covariance, memory)
+    return msgspec.structs.replace(fresh, t_ns=t_ns, x=x, P=covariance, memory=memory)
 
 
 def _ageing(known: SensorCalibration, off_s: float, tuning: Tuning) -> tuple[float, ...]:
@@ -191,4 +190,4 @@ def _placed(pose: LastPose, calibrated: Snapshot, off_s: float) -> Snapshot:
         position_unconfirmed=True,
         heading_unconfirmed=True,
     )
-    return Snapshot(x, covariance, memory)
+    return msgspec.structs.replace(calibrated, x=x, P=covariance, memory=memory)

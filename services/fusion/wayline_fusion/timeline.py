@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 State = TypeVar("State")
 
@@ -17,13 +17,6 @@ class Event(Protocol):
 
 
 EventType = TypeVar("EventType", bound=Event)
-
-
-class Entry(NamedTuple, Generic[EventType, State]):
-    """An event and the state just before it."""
-
-    event: EventType
-    before: State
 
 
 class Timeline(Generic[EventType, State]):
@@ -41,31 +34,39 @@ class Timeline(Generic[EventType, State]):
     ) -> None:
         self._apply, self._snapshot, self._restore = apply, snapshot, restore
         self._depth_ns = depth_ns
-        self._entries: deque[Entry[EventType, State]] = deque()
+        self._entries: deque[tuple[EventType, State]] = deque()
+        """Events, each with the state just before it."""
         self._now_ns: int | None = None
 
     def add(self, event: EventType) -> bool:
         """Apply an event at its own time; False when it is older than the history reaches."""
-        now_ns = event.t_ns if self._now_ns is None else self._now_ns
-        if event.t_ns < now_ns - self._depth_ns:
+        t_ns, now_ns = event.t_ns, self._now_ns
+        if now_ns is None or t_ns >= now_ns:
+            self._push(event)
+            self._now_ns = t_ns
+            self._forget(t_ns - self._depth_ns)
+            return True
+        if t_ns < now_ns - self._depth_ns:
             return False
-        later = self._rewind_to(event.t_ns)
+        later = self._rewind_to(t_ns)
         self._push(event)
         for each in reversed(later):
             self._push(each)
-        self._now_ns = max(now_ns, event.t_ns)
-        while self._entries and self._entries[0].event.t_ns < self._now_ns - self._depth_ns:
-            self._entries.popleft()
         return True
 
+    def _forget(self, before_ns: int) -> None:
+        entries = self._entries
+        while entries[0][0].t_ns < before_ns:
+            entries.popleft()
+
     def _rewind_to(self, t_ns: int) -> list[EventType]:
-        undone: list[Entry[EventType, State]] = []
-        while self._entries and self._entries[-1].event.t_ns > t_ns:
+        undone: list[tuple[EventType, State]] = []
+        while self._entries and self._entries[-1][0].t_ns > t_ns:
             undone.append(self._entries.pop())
         if undone:
-            self._restore(undone[-1].before)
-        return [entry.event for entry in undone]
+            self._restore(undone[-1][1])
+        return [event for event, _ in undone]
 
     def _push(self, event: EventType) -> None:
-        self._entries.append(Entry(event, self._snapshot()))
+        self._entries.append((event, self._snapshot()))
         self._apply(event)

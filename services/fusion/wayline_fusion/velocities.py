@@ -6,8 +6,9 @@ from wayline_fusion import measurements
 from wayline_fusion.bias_wander import Walk
 from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate
 from wayline_fusion.events import Fix
+from wayline_fusion.gate import nis_of, threshold
 from wayline_fusion.lockout import course_rejected
-from wayline_fusion.manoeuvre import expect_manoeuvre
+from wayline_fusion.manoeuvre import allow_manoeuvre
 from wayline_fusion.measurements import Measurement
 from wayline_fusion.states import States
 from wayline_fusion.streak import after, lasted_s
@@ -27,17 +28,8 @@ def take_speed(estimate: Estimate, fix: Fix, speed_mps: float) -> None:
     std_mps = fix.speed_std_mps * math.sqrt(memory.velocity_noise.factor)
     measurement = measurements.gps_speed(estimate.filter.x, speed_mps, std_mps)
     expected = estimate.filter.expected(measurement)
-    rejected_s = lasted_s(memory.speed_rejected, fix.t_ns)
-    if estimate.wheels_fresh and rejected_s >= tuning.speed_relock_after_s:
-        estimate.filter.stray(float(measurement.y[0]) * rejected_s)
-        # other tyres, or a speed in another unit
-        estimate.filter.doubt(States.ODOMETER_SCALE, SCALE_UNKNOWN)
-        estimate.tell("odometer", fix.t_ns, "another scale for long; learned anew")
-    elif rejected_s > 0.0 and not estimate.wheels_fresh:
-        # two in a row, and nothing else tells the speed: the vehicle braked hard
-        estimate.filter.doubt(States.WHEEL_SPEED, SPEED_UNKNOWN_MPS)
-    elif not estimate.wheels_fresh:
-        expect_manoeuvre(estimate, measurement, fix.t_ns, memory.speed_accepted_ns)
+    if nis_of(measurement, expected) > threshold(1, tuning.gate_probability):
+        _doubt_speed(estimate, measurement, fix.t_ns)
     is_accepted = estimate.gated(measurement, fix.t_ns)
     noise = memory.velocity_noise
     if speed_mps >= tuning.course_speed_min_mps:
@@ -52,6 +44,23 @@ def take_speed(estimate: Estimate, fix: Fix, speed_mps: float) -> None:
         speed_accepted_ns=fix.t_ns if is_accepted else memory.speed_accepted_ns,
         speed_rejected=after(memory.speed_rejected, fix.t_ns, is_accepted=is_accepted),
     )
+
+
+def _doubt_speed(estimate: Estimate, measurement: Measurement, t_ns: int) -> None:
+    """Before an unlikely speed is rejected: what else it may mean."""
+    memory, kalman = estimate.memory, estimate.filter
+    rejected_s = lasted_s(memory.speed_rejected, t_ns)
+    if estimate.wheels_fresh:
+        if rejected_s >= estimate.tuning.speed_relock_after_s:
+            kalman.stray(float(measurement.y[0]) * rejected_s)
+            # other tyres, or a speed in another unit
+            kalman.doubt(States.ODOMETER_SCALE, SCALE_UNKNOWN)
+            estimate.tell("odometer", t_ns, "another scale for long; learned anew")
+    elif rejected_s > 0.0:
+        # two in a row, and nothing else tells the speed
+        kalman.doubt(States.WHEEL_SPEED, SPEED_UNKNOWN_MPS)
+    else:
+        allow_manoeuvre(estimate, measurement, t_ns, memory.speed_accepted_ns)
 
 
 def take_course(estimate: Estimate, fix: Fix, speed_mps: float) -> None:

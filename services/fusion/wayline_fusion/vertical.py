@@ -44,26 +44,25 @@ class VerticalFilter:
         )
         self._filter.F = np.eye(SIZE)
         self._filter.Q = np.zeros((SIZE, SIZE))
+        self._slope_walk = (tuning.slope_walk_pct_per_sqrt_m / 100.0) ** 2
+        self._baro_bias_walk = tuning.baro_bias_walk_m_per_sqrt_s**2
         self._slow_std_m = 0.0
         self.known = False
         self.rejected_in_row = 0
 
     def advance(self, distance_m: float, dt_s: float) -> None:
         """Predict over a distance driven forward (negative in reverse) and the time it took."""
-        tuning, kalman = self._tuning, self._filter
+        F, Q, walk = self._filter.F, self._filter.Q, self._slope_walk
         length = abs(distance_m)
-        kalman.F[S.ALTITUDE, S.SLOPE] = distance_m
-        walk = (tuning.slope_walk_pct_per_sqrt_m / 100.0) ** 2
-        kalman.Q[S.SLOPE, S.SLOPE] = walk * length
-        kalman.Q[S.ALTITUDE, S.ALTITUDE] = walk * length**3 / 3.0
-        kalman.Q[S.ALTITUDE, S.SLOPE] = kalman.Q[S.SLOPE, S.ALTITUDE] = (
-            walk * length * distance_m / 2.0
-        )
-        kept = math.exp(-dt_s / tuning.gps_error_time_s)
-        kalman.F[S.GPS_ERROR, S.GPS_ERROR] = kept
-        kalman.Q[S.GPS_ERROR, S.GPS_ERROR] = (1.0 - kept**2) * self._slow_std_m**2
-        kalman.Q[S.BARO_BIAS, S.BARO_BIAS] = tuning.baro_bias_walk_m_per_sqrt_s**2 * dt_s
-        kalman.predict()
+        F[S.ALTITUDE, S.SLOPE] = distance_m
+        Q[S.SLOPE, S.SLOPE] = walk * length
+        Q[S.ALTITUDE, S.ALTITUDE] = walk * length**3 / 3.0
+        Q[S.ALTITUDE, S.SLOPE] = Q[S.SLOPE, S.ALTITUDE] = walk * length * distance_m / 2.0
+        kept = math.exp(-dt_s / self._tuning.gps_error_time_s)
+        F[S.GPS_ERROR, S.GPS_ERROR] = kept
+        Q[S.GPS_ERROR, S.GPS_ERROR] = (1.0 - kept**2) * self._slow_std_m**2
+        Q[S.BARO_BIAS, S.BARO_BIAS] = self._baro_bias_walk * dt_s
+        self._filter.predict()
 
     def gps(self, alt_m: float, std_m: float) -> None:
         """Altitude of a fix; the first one sets the altitude, an unlikely one is left out."""
@@ -120,7 +119,8 @@ class VerticalFilter:
 
     def std(self, state: int) -> float:
         """One sigma of a state, in the state's own unit."""
-        return math.sqrt(max(float(self._filter.P[state, state]), 0.0))
+        variance: float = self._filter.P.item(state, state)
+        return 0.0 if variance < 0.0 else math.sqrt(variance)
 
     def _nis(self, value: float, H: np.ndarray, std_m: float) -> float:
         innovation = value - float((H @ self._filter.x)[0])

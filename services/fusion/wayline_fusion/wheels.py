@@ -5,8 +5,10 @@ import math
 from wayline_fusion import measurements
 from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate
 from wayline_fusion.events import Step, WheelSpeed
-from wayline_fusion.gate import judge, nis_of
-from wayline_fusion.manoeuvre import expect_manoeuvre
+from wayline_fusion.gate import judge, nis_of, threshold
+from wayline_fusion.manoeuvre import allow_manoeuvre
+from wayline_fusion.measurements import Measurement
+from wayline_fusion.memory import Rolled
 from wayline_fusion.states import States
 from wayline_fusion.streak import after, lasted_s
 
@@ -24,39 +26,41 @@ def take_wheel_speed(estimate: Estimate, event: WheelSpeed) -> None:
         _pull_away(estimate, event.t_ns)
     estimate.remember(wheels_ns=event.t_ns)
     if estimate.standing and event.speed_mps == 0.0:
-        estimate.remember(
-            wheels_accepted_ns=event.t_ns,
-            wheels_mps=0.0,
-            wheels_distance_m=estimate.memory.distance_m,
-        )
+        estimate.remember(rolled=Rolled(event.t_ns, 0.0, estimate.distance_m))
         return
     measurement = measurements.odometer(estimate.filter.x, event.speed_mps, event.std_mps)
-    rejected_s = lasted_s(estimate.memory.wheels_rejected, event.t_ns)
-    if rejected_s >= _patience_s(estimate):
-        estimate.filter.stray(float(measurement.y[0]) * rejected_s)
-        estimate.filter.doubt(States.WHEEL_SPEED, SPEED_UNKNOWN_MPS)
-        estimate.remember(still_since_ns=None)
-    if rejected_s == 0.0:
-        expect_manoeuvre(estimate, measurement, event.t_ns, estimate.memory.wheels_accepted_ns)
-    nis = nis_of(measurement, estimate.filter.expected(measurement))
-    verdict = judge("odometer", event.t_ns, nis, 1, estimate.tuning.gate_probability)
-    if not verdict.accepted:
-        estimate.verdicts.append(verdict)
+    if not _is_believed(estimate, event, measurement):
         streak = after(estimate.memory.wheels_rejected, event.t_ns, is_accepted=False)
         estimate.remember(wheels_rejected=streak, still_since_ns=None)
         return
+    _roll(estimate, event)
     still_since_ns = estimate.memory.still_since_ns or event.t_ns
-    distance_m = _distance_m(estimate, event)
     estimate.remember(
-        distance_m=distance_m,
-        wheels_distance_m=distance_m,
-        wheels_mps=event.speed_mps,
         wheels_rejected=None,
-        wheels_accepted_ns=event.t_ns,
         still_since_ns=still_since_ns if event.speed_mps == 0.0 else None,
     )
     # a hard start or stop, which the filter is slow to believe, is not to teach it a scale
     estimate.filter.consider(measurement, States.ODOMETER_SCALE)
+
+
+def _is_believed(estimate: Estimate, event: WheelSpeed, measurement: Measurement) -> bool:
+    """Whether wheels that did not lock or spin can read so; only a rejection is told."""
+    memory, kalman = estimate.memory, estimate.filter
+    rejected_s = lasted_s(memory.wheels_rejected, event.t_ns)
+    if rejected_s >= _patience_s(estimate):
+        kalman.stray(float(measurement.y[0]) * rejected_s)
+        kalman.doubt(States.WHEEL_SPEED, SPEED_UNKNOWN_MPS)
+        estimate.remember(still_since_ns=None)
+        return True
+    nis = nis_of(measurement, kalman.expected(measurement))
+    if nis <= threshold(1, estimate.tuning.gate_probability):
+        return True
+    since_ns = memory.rolled.t_ns if memory.rolled else None
+    if rejected_s == 0.0 and allow_manoeuvre(estimate, measurement, event.t_ns, since_ns):
+        return True
+    probability = estimate.tuning.gate_probability
+    estimate.verdicts.append(judge("odometer", event.t_ns, nis, 1, probability))
+    return False
 
 
 def _patience_s(estimate: Estimate) -> float:
@@ -67,17 +71,15 @@ def _patience_s(estimate: Estimate) -> float:
     return estimate.tuning.wheels_relock_after_s
 
 
-def _distance_m(estimate: Estimate, event: WheelSpeed) -> float:
+def _roll(estimate: Estimate, event: WheelSpeed) -> None:
     """Two wheel speeds tell the way between them better than what was predicted from the first."""
-    memory = estimate.memory
-    if memory.wheels_accepted_ns is None:
-        return memory.distance_m
-    elapsed_ns = event.t_ns - memory.wheels_accepted_ns
-    if elapsed_ns > TRAPEZOID_NS:
-        return memory.distance_m
-    measured_m = 0.5 * abs(memory.wheels_mps + event.speed_mps) * elapsed_ns * 1e-9
-    scale = float(estimate.filter.x[States.ODOMETER_SCALE])
-    return memory.wheels_distance_m + scale * measured_m
+    before = estimate.memory.rolled
+    if before is not None and event.t_ns - before.t_ns <= TRAPEZOID_NS:
+        elapsed_s = (event.t_ns - before.t_ns) * 1e-9
+        measured_m = 0.5 * abs(before.speed_mps + event.speed_mps) * elapsed_s
+        scale = float(estimate.filter.x[States.ODOMETER_SCALE])
+        estimate.distance_m = before.distance_m + scale * measured_m
+    estimate.remember(rolled=Rolled(event.t_ns, event.speed_mps, estimate.distance_m))
 
 
 def _pull_away(estimate: Estimate, t_ns: int) -> None:
