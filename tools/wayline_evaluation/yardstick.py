@@ -77,8 +77,8 @@ class Yardstick:
         self._dilution = Dilution()
         self.state = Gaussian(start(gyro, odometer), start_stds(gps, gyro, odometer, happened))
         rounding_degps = gyro.resolution_degps / math.sqrt(12.0)
-        rounding = rounding_degps**2 * period_s(sensed.yaw_rate_degps)
-        self._turn_noise = gyro.noise_deg_per_sqrt_s**2 + rounding
+        shaken = rounding_degps**2 + gyro.vibration_degps**2
+        self._turn_noise = gyro.noise_deg_per_sqrt_s**2 + shaken * period_s(sensed.yaw_rate_degps)
         self._turning_s = changing_s(sensed.yaw_rate_degps, gyro.resolution_degps)
         self._wheel_period_s = period_s(sensed.speed_mps)
         self._gate = gate_of(GATE_PROBABILITY, 2)

@@ -48,13 +48,15 @@ BIASES = (S.GYRO_BIAS, S.GYRO_WANDER, S.GYRO_ROUNDING)
 
 
 def rounding_std_degps(gyro: GyroModel) -> float:
-    """Of what rounding adds to a gyro's mean as long as the rate does not change.
+    """Of what rounding adds to a moving gyro's mean as long as the rate does not change.
 
     First harmonic of a quantiser's error under Gaussian dither (Widrow and Kollar, Quantization
     Noise): much noise leaves nothing of it.
     """
     step_degps = gyro.resolution_degps
-    noise_degps = gyro.noise_deg_per_sqrt_s * math.sqrt(gyro.rate_hz)
+    noise_degps = math.hypot(
+        gyro.noise_deg_per_sqrt_s * math.sqrt(gyro.rate_hz), gyro.vibration_degps
+    )
     damped = math.exp(-2.0 * (math.pi * noise_degps / step_degps) ** 2)
     return step_degps / (math.pi * math.sqrt(2.0)) * damped
 

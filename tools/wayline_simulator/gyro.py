@@ -19,7 +19,7 @@ TEMPERATURE_STEP_C = 1.0
 
 
 class GyroModel(Strict, frozen=True, kw_only=True):
-    """`[gyro]`: measured = true x (1 + scale) + bias + white noise, in whole steps."""
+    """`[gyro]`: measured = true x (1 + scale) + bias + noise, in whole steps."""
 
     rate_hz: Positive = 50.0
     """Stability control asks for 50 to 100; judgement."""
@@ -45,6 +45,9 @@ class GyroModel(Strict, frozen=True, kw_only=True):
     """Angle random walk; a sample's std is this times the square root of the rate. The MPU-6050's
     0.005 deg/s/sqrt(Hz) is 0.0035 here (a density of positive frequencies only); three times that
     for the vibrations of a vehicle is a judgement."""
+    vibration_degps: NotNegative = 0.0
+    """Std of a sample while the vehicle moves, on top: a road shakes a box. White, as it is faster
+    than the frames; it carries a coarse gyro over its steps, so that their error averages out."""
     resolution_degps: Positive = 0.01
     """One bit; judgement."""
     latency_s: NotNegative = 0.01
@@ -83,9 +86,14 @@ def measure(
     instants_s = grid_s - model.latency_s
     warmed_kelvin = model.warm_up_kelvin * -np.expm1(-grid_s / model.warm_up_time_s)
     errors_degps = _errors(model, len(grid_s), random) + per_kelvin_degps * warmed_kelvin
-    rates_degps = journey.at(instants_s).yaw_rates_degps * scale + errors_degps
+    moving = journey.at(instants_s)
+    rates_degps = moving.yaw_rates_degps * scale + errors_degps
+    times_s = frame_times(grid_s, model.jitter_s, random)
+    # drawn last: models without it keep the numbers that they had
+    shaken_degps = model.vibration_degps * random.standard_normal(len(grid_s))
+    rates_degps += np.where(moving.speeds_mps > 0.0, shaken_degps, 0.0)
     return GyroSamples(
-        times_s=frame_times(grid_s, model.jitter_s, random),
+        times_s=times_s,
         instants_s=instants_s,
         yaw_rates_degps=in_steps(rates_degps, model.resolution_degps),
         temperatures_c=in_steps(weather.temperature_c + warmed_kelvin, TEMPERATURE_STEP_C),

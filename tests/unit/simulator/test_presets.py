@@ -115,6 +115,21 @@ def test_css_gyro_stands_still_as_the_recorded_one(css: Css) -> None:
     assert ratios.max() < 1.8
 
 
+def change_degps(rates_degps: Floats) -> float:
+    """Mean from sample to sample: as many steps are crossed, on the average, as the rate moves."""
+    return float(np.abs(np.diff(rates_degps)).mean())
+
+
+def test_css_gyro_is_shaken_by_the_road_as_the_recorded_one(css: Css) -> None:
+    """It carries the rate over the steps, so that what they hide averages out."""
+    driving = np.interp(css.gyro_s, css.speed_s, css.speeds_mps) > 3.0
+    recorded_degps = change_degps(css.rates_degps[driving])
+    device, random = np.random.default_rng(1), np.random.default_rng(3)
+    assert CSS.gyro is not None
+    samples = gyro.measure(cruise(20.0, 60.0), CSS.gyro, Weather(), device=device, random=random)
+    assert change_degps(samples.yaw_rates_degps[200:]) == pytest.approx(recorded_degps, rel=0.08)
+
+
 def test_css_wheels_step_as_the_recorded_ones(css: Css) -> None:
     """Driven at the recorded speed, the shares of steps of 0, 1 and more km/h are alike."""
     times_s = np.arange(0.0, css.speed_s[-1], MOTION_STEP_S)

@@ -101,6 +101,24 @@ def test_gyro_noise_is_its_angle_random_walk_times_the_root_of_the_rate() -> Non
     assert abs(lag_correlation(errors, 1)) < 4 / math.sqrt(len(errors))
 
 
+def test_vibration_shakes_a_gyro_only_while_the_vehicle_moves() -> None:
+    """A sample's std is the vibration's; at rest there is none."""
+    model = with_(QUIET_GYRO, vibration_degps=0.1, rate_hz=100.0)
+    drive = cruise(20.0, 100.0)
+    errors = gyro_errors(drive, turned(drive, model))
+    assert errors[200:].std() == pytest.approx(0.1, rel=4 / math.sqrt(2 * len(errors)))
+    assert np.abs(gyro_errors(standing(10.0), turned(standing(10.0), model))).max() < 1e-5
+
+
+def test_vibration_takes_the_steps_out_of_a_coarse_gyros_mean() -> None:
+    """A tenth of a degree is read as 0 without; a noise of half a step leaves 0.2 % of a step."""
+    drive = cruise(20.0, 400.0)
+    coarse = with_(QUIET_GYRO, bias_degps=0.1, resolution_degps=0.25, rate_hz=100.0)
+    assert np.all(turned(drive, coarse).yaw_rates_degps[200:] == 0.0)
+    shaken = turned(drive, with_(coarse, vibration_degps=0.125))
+    assert shaken.yaw_rates_degps[200:].mean() == pytest.approx(0.1, abs=0.004)
+
+
 def test_gyro_bias_wanders_with_its_std_and_time() -> None:
     """400 correlation times know the std to 5 %."""
     drive = standing(4000.0)
