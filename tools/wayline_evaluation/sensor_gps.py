@@ -42,6 +42,8 @@ class GpsErrors(msgspec.Struct, frozen=True, kw_only=True):
     east_rms_m: float
     north_rms_m: float
     up_rms_m: float
+    speed_rms_mps: float | None
+    """Null where the receiver tells no speed."""
     horizontal_m: Quantiles | None
     autocorrelation: tuple[Correlation, ...]
 
@@ -164,9 +166,16 @@ def _errors(records: Sequence[SensorRecord]) -> GpsErrors | None:
         east_rms_m=east_m,
         north_rms_m=north_m,
         up_rms_m=up_m,
+        speed_rms_mps=_speed_rms_mps(records),
         horizontal_m=quantiles_of(np.hypot(errors_m[:, 0], errors_m[:, 1])),
         autocorrelation=correlation_curve(records, LAGS_S),
     )
+
+
+def _speed_rms_mps(records: Sequence[SensorRecord]) -> float | None:
+    errors_mps = np.concatenate([each.epochs.speed_errors_mps for each in records])
+    errors_mps = errors_mps[~np.isnan(errors_mps)]
+    return float(np.sqrt(np.mean(errors_mps**2))) if len(errors_mps) else None
 
 
 def _interval_s(epochs: Epochs) -> float:

@@ -31,6 +31,8 @@ class Epochs:
     hdops: Floats
     errors_m: Floats
     """East, north and up of the truth, shape (n, 3); nan without one."""
+    speed_errors_mps: Floats
+    """The same of the speed, which has no sign."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,23 +70,27 @@ def epochs_of(fixes: Sequence[GpsFix], truth: Reference | None) -> Epochs:
     grid = Grid(0.0, 0.0) if first is None else Grid(float(lats_deg[first]), float(lons_deg[first]))
     east_m, north_m = _on_grid(grid, lats_deg, lons_deg)
     alts_m = known("alt_m")
+    speeds_mps = known("speed_mps")
     errors_m = np.full((len(times_s), 3), np.nan)
+    speed_errors_mps = np.full(len(times_s), np.nan)
     if truth is not None:
         there = truth.at(times_s)
         true_east_m, true_north_m = _on_grid(grid, there.lats_deg, there.lons_deg)
         errors_m = np.column_stack(
             (east_m - true_east_m, north_m - true_north_m, alts_m - there.alts_m)
         )
+        speed_errors_mps = speeds_mps - np.abs(there.speeds_mps)
     return Epochs(
         times_s=times_s,
         valid=valid,
         east_m=east_m,
         north_m=north_m,
         alts_m=alts_m,
-        speeds_mps=known("speed_mps"),
+        speeds_mps=speeds_mps,
         satellites=known("satellites"),
         hdops=known("hdop"),
         errors_m=errors_m,
+        speed_errors_mps=speed_errors_mps,
     )
 
 

@@ -64,6 +64,7 @@ def _gps_rows(figures: GpsFigures | None) -> Rows:
         rows |= {
             "error east / north, rms, m": f"{errors.east_rms_m:.2f} / {errors.north_rms_m:.2f}",
             "error up, rms, m": _number(errors.up_rms_m, 2),
+            "error of speed, rms, m/s": _number(errors.speed_rms_mps, 3),
             "horizontal error, p5 / p50 / p95, m": _quantiles(errors.horizontal_m, 2),
         }
         rows |= _correlation_rows(errors.autocorrelation)

@@ -322,6 +322,7 @@ def test_the_command_shows_simulated_drives_beside_a_recorded_log(tmp_path: Path
     assert made["gyro"]["std_degps"] == pytest.approx(white, rel=0.05)
     assert made["odometer"]["step_mps"] == pytest.approx(0.01)
     assert made["gps"]["errors"]["up_rms_m"] > 0.5
+    assert 0.01 < made["gps"]["errors"]["speed_rms_mps"] < 0.5
     assert beside["drives"] == ["receiver"]
     assert (beside["gyro"], beside["gps"]["errors"]) == (None, None)
     assert beside["gps"]["rate_hz"] == pytest.approx(1.0)
