@@ -1,14 +1,15 @@
 """Closed-form drives with perfect or imperfect sensors, as messages in order of arrival."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 
 from builders import at, fix, gyro, odometer
 from wayline.geo import LocalPlane, wrap_180, wrap_360
-from wayline.messages import Message, Pose
+from wayline.messages import GpsFix, Message, Odometer, Pose
 
 ORIGIN = LocalPlane(56.0, 10.0)
 STEP_S = 0.01
@@ -65,6 +66,11 @@ def stop_and_go(seconds: float) -> tuple[float, float]:
     """Along a straight road, every 40 s: stand for 10 s, then up to 12 m/s and down again."""
     moving_s = max(seconds % 40.0 - 10.0, 0.0)
     return min(2.0 * moving_s, 12.0, 2.0 * (30.0 - moving_s)), 0.0
+
+
+def winding(seconds: float) -> tuple[float, float]:
+    """A country road, slower and faster, left and right."""
+    return 15.0 + 3.0 * math.sin(seconds / 9.0), 12.0 * math.sin(seconds / 7.0)
 
 
 def spiral_down(seconds: float) -> tuple[float, float]:
@@ -129,6 +135,26 @@ def messages_of(
                     ),
                 )
             )
+
+
+def noisy(
+    messages: Iterable[Message], wheels_mps: float, doppler_mps: float, seed: int = 1
+) -> Iterator[Message]:
+    """White noise on wheels that turn, and on Doppler along and across the way, at rest too."""
+    rng = np.random.default_rng(seed)
+    for message in messages:
+        if isinstance(message, Odometer) and message.speed_mps:
+            speed_mps = max(message.speed_mps + rng.normal(0.0, wheels_mps), 0.0)
+            yield msgspec.structs.replace(message, speed_mps=speed_mps)
+        elif isinstance(message, GpsFix) and message.speed_mps is not None:
+            along_mps, across_mps = rng.normal(0.0, doppler_mps, 2)
+            speed_mps, course_deg = abs(message.speed_mps + along_mps), message.course_deg
+            if course_deg is not None:
+                off_deg = math.degrees(math.atan2(across_mps, speed_mps))
+                course_deg = wrap_360(course_deg + off_deg)
+            yield msgspec.structs.replace(message, speed_mps=speed_mps, course_deg=course_deg)
+        else:
+            yield message
 
 
 def rounded(value: float, step: float) -> float:

@@ -135,6 +135,24 @@ def assert_covariance(node: Node) -> None:
     assert np.linalg.eigvalsh(0.5 * (correlations + correlations.T)).min() > -1e-6
 
 
+def test_a_copy_goes_on_exactly_as_the_original() -> None:
+    """And apart from it: nothing of its arrays is shared."""
+    original = warm.__wrapped__()  # itself no copy
+    first, second = copy.deepcopy(original), copy.deepcopy(original)
+    ends_ns = round((START_S - WARM_S) * 1e9)
+    drive = messages_of(town, truth_of(town, WARM_S + 20.0), Sensors(0.5, gps_noise_m=1.0))
+    rest = [
+        msgspec.structs.replace(message, t_ns=message.t_ns + ends_ns)
+        for message in drive
+        if message.t_ns >= at(WARM_S)
+    ]
+    ahead = given_to(first, rest)
+    turns = [(given_to(original, [message]), given_to(second, [message])) for message in rest]
+    assert len(only(ahead, Pose)) > 190
+    assert [output for outputs, _ in turns for output in outputs] == ahead
+    assert [output for _, outputs in turns for output in outputs] == ahead
+
+
 @cache
 def on_a_circle() -> tuple[Node, list[Message]]:
     """A node that knows its sensors, and the next seconds of its drive."""
