@@ -16,10 +16,21 @@ _END = rrb.TimeRangeBoundary.cursor_relative()
 _WINDOW = rrb.VisibleTimeRange(TIMELINE, start=_START, end=_END)
 _AXIS = rrb.TimeAxis(view_range=rr.TimeRange(start=_START, end=_END))
 _PAST = rrb.VisibleTimeRange(TIMELINE, start=rrb.TimeRangeBoundary.infinite(), end=_END)
-TRAILS = ("fixes", "rejected", "path")
+TRAILS = ("fixes", "rejected", "rejected_from", "path")
 """Entities of the map that stay; of the others the map shows the latest."""
-HORIZONTAL = ("gyro_bias_degps", "gyro_scale", "odometer_scale")
-VERTICAL = ("baro_bias_m", "torque_bias_pct", "mass_kg")
+HORIZONTAL = {
+    "gyro_bias_degps": "gyro bias, deg/s",
+    "gyro_scale": "gyro scale",
+    "odometer_scale": "odometer scale",
+}
+VERTICAL = {
+    "baro_bias_m": "barometer bias, m",
+    "torque_bias_pct": "torque bias, %",
+    "mass_kg": "mass, kg",
+}
+GPS = {"gps_latency_s": "GPS latency, s"}
+NIS_TOP = 30.0
+"""Where the plots of NIS end: gates lie at 9 to 18, and a reflected fix's 1,000 would hide them."""
 
 
 def make_blueprint(zooms: Mapping[str, float]) -> rrb.Blueprint:
@@ -44,8 +55,8 @@ def _page(vehicle_id: str, zoom: float) -> rrb.Container:
         rrb.StateTimelineView(
             origin=f"{root}/states", name="states", time_ranges=_WINDOW, time_view=_AXIS
         ),
-        rrb.TextLogView(origin=f"{root}/reasons", name="why rejected"),
-        row_shares=[5, 3, 2],
+        _reasons(root),
+        row_shares=[9, 7, 4],
     )
     right = rrb.Vertical(
         _plot(root, "speed", "speed, m/s"),
@@ -53,10 +64,17 @@ def _page(vehicle_id: str, zoom: float) -> rrb.Container:
             _plot(root, "altitude", "altitude, m"),
             _plot(root, "grade", "grade, %", legend=False),
         ),
-        _plot(root, "innovations", "innovations against their gates (NIS)"),
+        _nis(root, "NIS of GPS positions, gate, rejected", ["+ $origin/gps_position/**"]),
+        _nis(
+            root,
+            "NIS of all others",
+            ["+ $origin/**", "- $origin/gps_position/**"],
+            legend=True,
+        ),
         rrb.Tabs(
             _calibration(root, "horizontal sensors", HORIZONTAL),
             _calibration(root, "vertical sensors", VERTICAL),
+            _calibration(root, "GPS", GPS),
             active_tab=0,
         ),
     )
@@ -71,6 +89,25 @@ def _map(root: str, zoom: float) -> rrb.MapView:
     return rrb.MapView(origin=f"{root}/map", name="map", zoom=zoom, overrides=overrides)
 
 
+def _reasons(root: str) -> rrb.TextLogView:
+    columns = rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["body"])
+    return rrb.TextLogView(origin=f"{root}/reasons", name="why rejected", columns=columns)
+
+
+def _nis(
+    root: str, name: str, contents: Sequence[str], *, legend: bool = False
+) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin=f"{root}/innovations",
+        contents=contents,
+        name=name,
+        time_ranges=_WINDOW,
+        axis_x=_AXIS,
+        axis_y=rrb.ScalarAxis(range=(0.0, NIS_TOP)),
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop, visible=legend),
+    )
+
+
 def _plot(root: str, path: str, name: str, *, legend: bool = True) -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
         origin=f"{root}/{path}",
@@ -81,6 +118,6 @@ def _plot(root: str, path: str, name: str, *, legend: bool = True) -> rrb.TimeSe
     )
 
 
-def _calibration(root: str, title: str, names: Sequence[str]) -> rrb.Container:
-    plots = [_plot(root, f"calibration/{name}", name, legend=False) for name in names]
+def _calibration(root: str, title: str, names: Mapping[str, str]) -> rrb.Container:
+    plots = [_plot(root, f"calibration/{path}", name, legend=False) for path, name in names.items()]
     return rrb.Horizontal(*plots, name=title)

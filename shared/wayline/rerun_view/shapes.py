@@ -21,7 +21,7 @@ ARROW_LENGTH_M = 40.0
 """Long enough to be seen at the zoom of a street, short enough not to hide the next one."""
 
 TILE_PX = 256
-PANE_PX = (600.0, 400.0)
+PANE_PX = (600.0, 300.0)
 """Width and height of the map in a window of 1400 x 900, less a margin."""
 NEAR_ZOOM = 16.0
 """A few streets: where a map begins that does not know yet how far the vehicle goes."""

@@ -1,6 +1,7 @@
 """How entities look: colours, widths and names, by where they stand below the vehicle's id.
 
-Blue is fusion's estimate, orange what GPS says, green the odometer, red what a gate rejected.
+Blue is fusion's estimate, orange what GPS says, green the odometer, red what a gate rejected,
+magenta the vehicle: seen on bright map tiles as well as on none.
 """
 
 import rerun as rr
@@ -15,6 +16,8 @@ REJECTED: Colour = (240, 72, 72)
 GATE: Colour = (170, 170, 170)
 KNOWN: Colour = (196, 130, 255)
 ROUTE: Colour = (150, 150, 160)
+VEHICLE: Colour = (230, 50, 200)
+ELLIPSE: Colour = (0, 165, 185)
 
 
 def _with_sigma(name: str) -> rr.SeriesLines:
@@ -25,12 +28,14 @@ def _with_sigma(name: str) -> rr.SeriesLines:
     )
 
 
-def _series(colour: Colour, width: float = 1.5) -> rr.SeriesLines:
-    return rr.SeriesLines(colors=[colour], widths=[width])
+def _series(colour: Colour, width: float = 1.5, name: str | None = None) -> rr.SeriesLines:
+    return rr.SeriesLines(colors=[colour], widths=[width], names=name)
 
 
-def _marks(colour: Colour, marker: rr.components.MarkerShape, size: float) -> rr.SeriesPoints:
-    return rr.SeriesPoints(colors=[colour], markers=[marker], marker_sizes=[size])
+def _marks(
+    colour: Colour, marker: rr.components.MarkerShape, size: float, name: str
+) -> rr.SeriesPoints:
+    return rr.SeriesPoints(colors=[colour], markers=[marker], marker_sizes=[size], names=name)
 
 
 def _dots(colour: Colour, radius: float) -> rr.GeoPoints:
@@ -77,7 +82,7 @@ _SENSORS: dict[str, Colour] = {
     "gps_speed": ODOMETER,
     "gps_course": FUSED,
 }
-"""Sensors that are always there; Rerun colours the others apart."""
+"""Sensors whose every measurement has a verdict; Rerun colours the others apart."""
 _ROUTE_STATES: dict[str, Colour] = {"on route": (50, 140, 80), "off route": (200, 50, 50)}
 
 
@@ -92,23 +97,28 @@ def style_of(path: str) -> rr.AsComponents | None:
 
 
 def _innovation(sensor: str, part: str) -> rr.AsComponents | None:
-    if part == "gate":
-        return _series(GATE, 1.0)
+    shapes = rr.components.MarkerShape
     if part == "rejected":
-        return _marks(REJECTED, rr.components.MarkerShape.Cross, 5.0)
+        return _marks(REJECTED, shapes.Cross, 5.0, part)
     colour = _SENSORS.get(sensor)
-    return _series(colour) if colour else None
+    # of the others only rejections are told: a line would join what is minutes apart
+    if part == "gate":
+        return _series(GATE, 1.0, part) if colour else _marks(GATE, shapes.Circle, 1.5, part)
+    if colour is None:
+        return rr.SeriesPoints(marker_sizes=[2.0], names=sensor)
+    return _series(colour, name=sensor)
 
 
 _STYLES: dict[tuple[str, str], rr.AsComponents] = {
     ("map", "route"): _strokes(ROUTE, 2.0),
     ("map", "stops"): _dots(ROUTE, 5.0),
     ("map", "fixes"): _dots(GPS, 1.5),
-    ("map", "rejected"): _dots(REJECTED, 4.0),
+    ("map", "rejected"): _dots(REJECTED, 2.5),
+    ("map", "rejected_from"): _strokes(REJECTED, 0.5),
     ("map", "path"): _strokes(FUSED, 2.5),
-    ("map", "vehicle"): _dots((255, 255, 255), 5.0),
-    ("map", "heading"): _strokes((255, 255, 255), 1.5),
-    ("map", "ellipse_95"): _strokes((90, 220, 230), 1.0),
+    ("map", "vehicle"): _dots(VEHICLE, 5.0),
+    ("map", "heading"): _strokes(VEHICLE, 1.5),
+    ("map", "ellipse_95"): _strokes(ELLIPSE, 1.0),
     ("map", "on_route"): _dots(KNOWN, 4.0),
     ("speed", "fused"): _series(FUSED, 2.0),
     ("speed", "gps"): _series(GPS),

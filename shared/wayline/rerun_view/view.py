@@ -1,12 +1,14 @@
 """One vehicle's messages as rows of Rerun entities, below the vehicle's id."""
 
 import math
+from collections import deque
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import rerun as rr
 
+from wayline.geo import step_between
 from wayline.messages import (
     FusionStatus,
     GpsFix,
@@ -18,6 +20,7 @@ from wayline.messages import (
     Torque,
     Verdict,
 )
+from wayline.rerun_view.blueprint import NIS_TOP
 from wayline.rerun_view.columns import Columns
 from wayline.rerun_view.decimation import Decimator
 from wayline.rerun_view.shapes import Extent, arrow_of, ellipse_of
@@ -31,6 +34,14 @@ PATH_STEP_M = 2.0
 """A piece of the path is at least this long: a vehicle that stands draws none."""
 FIXES_KEPT = 64
 """Fixes whose verdict may still come, to be marked where it rejects them; over 3 s of 20 Hz."""
+POSES_KEPT = 64
+"""Poses to compare a rejected fix with, likewise; over 6 s of 10 Hz."""
+SAME_TIME_NS = 100_000_000
+"""A pose this far from a fix in time is where the vehicle was believed to be, to a metre or two."""
+POSITIONS = ("gps_position", "kept_gps_position")
+"""Sensors that are rejected for where they are."""
+CROSS_NIS_MAX = 0.95 * NIS_TOP
+"""Crosses of larger ones are drawn here, at the plot's upper edge."""
 SILENT_AFTER_NS = 5_000_000_000
 """A sensor without a verdict for so long is shown as silent, not as still accepted."""
 CALIBRATED = (
@@ -43,6 +54,12 @@ CALIBRATED = (
     ("gps_latency_s", "gps_latency_std_s"),
 )
 """Parameters of fusion's status with their stds."""
+
+
+class _Place(NamedTuple):
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
 
 
 class RerunView:
@@ -65,6 +82,7 @@ class RerunView:
         self._states: dict[str, str] = {}
         self._judged_ns: dict[str, int] = {}
         self._fixes: dict[int, tuple[float, float]] = {}
+        self._poses: deque[_Place] = deque(maxlen=POSES_KEPT)
         self._path_from: Pose | None = None
         self.extent = Extent()
         if route is not None:
@@ -118,6 +136,8 @@ class RerunView:
 
     def _take_pose(self, pose: Pose, source: str) -> None:
         self._state("states/mode", pose.t_ns, pose.mode)
+        if pose.lat_deg is not None and pose.lon_deg is not None:
+            self._poses.append(_Place(pose.t_ns, pose.lat_deg, pose.lon_deg))
         if self._plotted.is_due(f"pose/{source}", pose.t_ns):
             self._scalar("speed/fused", pose.t_ns, pose.speed_mps)
             self._estimate("altitude/fused", pose.t_ns, pose.alt_m, pose.alt_std_m)
@@ -164,18 +184,35 @@ class RerunView:
         if verdict.threshold > 0.0:
             self._columns.scalars(f"{root}/nis", verdict.t_ns, verdict.nis)
             self._columns.scalars(f"{root}/gate", verdict.t_ns, verdict.threshold)
+        off_m = None if verdict.accepted else self._mark_rejected(verdict)
         if verdict.reason:
-            self._columns.text(f"reasons/{verdict.sensor}", verdict.t_ns, reason_of(verdict))
+            self._columns.text(f"reasons/{verdict.sensor}", verdict.t_ns, reason_of(verdict, off_m))
         self._judged_ns[verdict.sensor] = verdict.t_ns
         word = "accepted" if verdict.accepted else "rejected"
         self._state(f"states/verdict/{verdict.sensor}", verdict.t_ns, word)
-        if verdict.accepted:
-            return
+
+    def _mark_rejected(self, verdict: Verdict) -> float | None:
+        """Mark it in its plot and on the map; how far a position is from where the pose was."""
         if verdict.threshold > 0.0:
-            self._columns.scalars(f"{root}/rejected", verdict.t_ns, verdict.nis)
-        place = self._fixes.get(verdict.t_ns)
-        if place is not None:
-            self._columns.point("map/rejected", verdict.t_ns, *place)
+            path = f"innovations/{verdict.sensor}/rejected"
+            self._columns.scalars(path, verdict.t_ns, min(verdict.nis, CROSS_NIS_MAX))
+        fix = self._fixes.get(verdict.t_ns)
+        if fix is None:
+            return None
+        self._columns.point("map/rejected", verdict.t_ns, *fix)
+        pose = self._pose_at(verdict.t_ns)
+        if pose is None or verdict.sensor not in POSITIONS:
+            return None
+        line = np.array([(pose.lat_deg, pose.lon_deg), fix], dtype=np.float64)
+        self._columns.line("map/rejected_from", verdict.t_ns, line)
+        return step_between(pose.lat_deg, pose.lon_deg, *fix).distance_m
+
+    def _pose_at(self, t_ns: int) -> _Place | None:
+        """Where the vehicle was believed to be before a fix of this time was heard."""
+        nearest = min(self._poses, key=lambda pose: abs(pose.t_ns - t_ns), default=None)
+        if nearest is None or abs(nearest.t_ns - t_ns) > SAME_TIME_NS:
+            return None
+        return nearest
 
     def _take_progress(self, progress: Progress, source: str) -> None:
         del source
@@ -206,11 +243,12 @@ class RerunView:
             self._columns.state(path, t_ns, state)
 
 
-def reason_of(verdict: Verdict) -> str:
+def reason_of(verdict: Verdict, off_m: float | None = None) -> str:
     """Why a measurement was rejected, or what is to be known of an accepted one, in a line."""
     word = "accepted" if verdict.accepted else "rejected"
+    off = "" if off_m is None else f", {off_m:.0f} m off"
     figures = f" (NIS {verdict.nis:.1f}, gate {verdict.threshold:.1f})" if verdict.threshold else ""
-    return f"{verdict.sensor} {word}{figures}: {verdict.reason}"
+    return f"{verdict.sensor} {word}{off}{figures}: {verdict.reason}"
 
 
 _TAKERS: dict[type[Message], Callable[[RerunView, Any, str], None]] = {

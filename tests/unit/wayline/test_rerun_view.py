@@ -22,7 +22,7 @@ from wayline.messages import (
     Verdict,
 )
 from wayline.rerun_view import READS, RerunRecording
-from wayline.rerun_view.blueprint import make_blueprint
+from wayline.rerun_view.blueprint import GPS, HORIZONTAL, NIS_TOP, VERTICAL, make_blueprint
 from wayline.rerun_view.decimation import Decimator
 from wayline.rerun_view.shapes import (
     NEAR_ZOOM,
@@ -30,6 +30,7 @@ from wayline.rerun_view.shapes import (
     arrow_of,
     ellipse_of,
 )
+from wayline.rerun_view.view import CALIBRATED
 from wayline.route import Route, make_route
 from wayline.stops import StopPlace
 
@@ -119,15 +120,50 @@ def test_a_rejected_fix_is_marked_where_it_was(record: Record) -> None:
             fix(1, LAT_DEG, LON_DEG),
             judged(1, accepted=True),
             fix(2, LAT_DEG + 1.0, LON_DEG),
-            judged(2, accepted=False, nis=99.0),
+            judged(2, accepted=False, nis=19.0),
         ]
     )
     assert rows["/bus-7/map/rejected"] == [(at(2), [[LAT_DEG + 1.0, LON_DEG]])]
-    assert rows["/bus-7/innovations/gps_position/nis"] == [(at(1), [1.0]), (at(2), [99.0])]
+    assert rows["/bus-7/innovations/gps_position/nis"] == [(at(1), [1.0]), (at(2), [19.0])]
     assert rows["/bus-7/innovations/gps_position/gate"] == [(at(1), [18.4]), (at(2), [18.4])]
-    assert rows["/bus-7/innovations/gps_position/rejected"] == [(at(2), [99.0])]
+    assert rows["/bus-7/innovations/gps_position/rejected"] == [(at(2), [19.0])]
     states = rows["/bus-7/states/verdict/gps_position"]
     assert states == [(at(1), ["accepted"]), (at(2), ["rejected"])]
+
+
+def test_the_cross_of_a_nis_beyond_the_plot_is_drawn_at_its_upper_edge(record: Record) -> None:
+    rows = record([judged(1, accepted=False, nis=1500.0)])
+    ((_, [cross]),) = rows["/bus-7/innovations/gps_position/rejected"]
+    assert 18.4 < cross < NIS_TOP
+    assert rows["/bus-7/innovations/gps_position/nis"] == [(at(1), [1500.0])]
+
+
+def test_a_rejected_position_is_tied_to_where_the_vehicle_was_believed_to_be(
+    record: Record,
+) -> None:
+    """By a line on the map, and in metres in the log; the pose is the one of the fix's time."""
+    poses = [pose(seconds, lat_deg=LAT_DEG + 1e-3 * seconds) for seconds in (1.0, 1.9, 2.0, 2.5)]
+    far = Verdict(
+        sensor="gps_position", t_ns=at(2), accepted=False, nis=99.0, threshold=18.4, reason="far"
+    )
+    north_deg = LAT_DEG + 3e-3
+    status = FusionStatus(t_ns=at(3), verdicts=(far,))
+    rows = record([*poses, fix(2, north_deg, LON_DEG), status])
+    line = [[LAT_DEG + 2e-3, LON_DEG], [north_deg, LON_DEG]]
+    assert rows["/bus-7/map/rejected_from"] == [(at(2), [line])]
+    ((_, [text]),) = rows["/bus-7/reasons/gps_position"]
+    assert text == "gps_position rejected, 111 m off (NIS 99.0, gate 18.4): far"
+
+
+def test_nothing_is_tied_to_a_pose_of_another_time_nor_for_a_speed(record: Record) -> None:
+    far = judged(2, accepted=False, nis=99.0)
+    slow = msgspec.structs.replace(far.verdicts[0], sensor="gps_speed")
+    old = [pose(1), fix(2, LAT_DEG, LON_DEG), far]
+    now = [pose(2), fix(2, LAT_DEG, LON_DEG), FusionStatus(t_ns=at(2), verdicts=(slow,))]
+    for messages in (old, now):
+        rows = record(messages)
+        assert "/bus-7/map/rejected_from" not in rows
+        assert [t_ns for t_ns, _ in rows["/bus-7/map/rejected"]] == [at(2)]
 
 
 def test_every_rejection_says_why(record: Record) -> None:
@@ -273,6 +309,10 @@ def test_a_blueprint_has_a_page_for_every_vehicle() -> None:
     one, two = make_blueprint({"a": 12.0}), make_blueprint({"b": 12.0, "a": 12.0})
     assert one.root_container.name == "a"
     assert [page.name for page in two.root_container.contents] == ["a", "b"]
+
+
+def test_everything_that_fusion_learns_has_a_plot() -> None:
+    assert {name for name, _ in CALIBRATED} == {*HORIZONTAL, *VERTICAL, *GPS}
 
 
 def test_the_ellipse_holds_95_percent_and_leans_as_the_covariance_does() -> None:
