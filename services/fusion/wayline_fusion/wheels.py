@@ -12,6 +12,8 @@ from wayline_fusion.memory import Rolled
 from wayline_fusion.states import States
 from wayline_fusion.streak import after, lasted_s
 
+NOISE_CORRELATION_NS = 100_000_000
+"""Wheel speeds that come faster are wrong alike: rough roads, uneven teeth, filters."""
 TRAPEZOID_NS = 1_000_000_000
 """Further apart, wheel speeds say too little of the way between them."""
 STILL_NS = 100_000_000
@@ -28,7 +30,8 @@ def take_wheel_speed(estimate: Estimate, event: WheelSpeed) -> None:
     if estimate.standing and event.speed_mps == 0.0:
         estimate.remember(rolled=Rolled(event.t_ns, 0.0, estimate.distance_m))
         return
-    measurement = measurements.odometer(estimate.filter.x, event.speed_mps, event.std_mps)
+    std_mps = event.std_mps * _oversampled(estimate, event.t_ns)
+    measurement = measurements.odometer(estimate.filter.x, event.speed_mps, std_mps)
     if not _is_believed(estimate, event, measurement):
         streak = after(estimate.memory.wheels_rejected, event.t_ns, is_accepted=False)
         estimate.remember(wheels_rejected=streak, still_since_ns=None)
@@ -41,6 +44,14 @@ def take_wheel_speed(estimate: Estimate, event: WheelSpeed) -> None:
     )
     # a hard start or stop, which the filter is slow to believe, is not to teach it a scale
     estimate.filter.consider(measurement, States.ODOMETER_SCALE)
+
+
+def _oversampled(estimate: Estimate, t_ns: int) -> float:
+    """How much more noise each of many speeds has, so that together they tell no more."""
+    before = estimate.memory.rolled
+    if before is None or not 0 < t_ns - before.t_ns < NOISE_CORRELATION_NS:
+        return 1.0
+    return math.sqrt(NOISE_CORRELATION_NS / (t_ns - before.t_ns))
 
 
 def _is_believed(estimate: Estimate, event: WheelSpeed, measurement: Measurement) -> bool:
