@@ -86,6 +86,15 @@ def test_in_stop_and_go_gps_teaches_the_scale(motion: Motion, scale: float) -> N
     assert abs(last.odometer_scale - scale) < 3.0 * last.odometer_scale_std
 
 
+@pytest.mark.parametrize("wheels_hz", [5, 10])
+def test_starting_and_stopping_itself_teaches_no_scale(wheels_hz: int) -> None:
+    """By exact sensors the scale is found once and stays, however slowly a start is believed."""
+    sensors = REAL._replace(odometer_scale=0.96, odometer_hz=wheels_hz)
+    exact = list(messages_of(stop_and_go, truth_of(stop_and_go, 200.0), sensors))
+    scales = [s.odometer_scale or 0.0 for s in statuses_of(exact) if s.t_ns > at(35.0)]
+    assert np.abs(np.array(scales) - 0.96).max() < 0.0008
+
+
 def test_one_wrong_speed_on_either_side_of_a_tunnel_leaves_the_scale_alone() -> None:
     """A minute apart, with none between them, they are not a minute of wrong speeds."""
     wrong_ns = at(100.0), at(161.0)

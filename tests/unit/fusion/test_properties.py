@@ -14,7 +14,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from builders import at, only
-from unit.fusion.drives import Sensors, circle, messages_of, town, truth_of
+from unit.fusion.drives import Sensors, circle, messages_of, stop_and_go, town, truth_of
 from wayline.codec import decode, encode
 from wayline.messages import Barometer, FusionStatus, GpsFix, Gyro, Message, Odometer, Pose
 from wayline.node import Node
@@ -136,19 +136,15 @@ def assert_covariance(node: Node) -> None:
 
 
 def test_a_copy_goes_on_exactly_as_the_original() -> None:
-    """And apart from it: nothing of its arrays is shared."""
-    original = warm.__wrapped__()  # itself no copy
+    """From driving to rest and off again; and apart from it: nothing of its arrays is shared."""
+    drive = list(messages_of(stop_and_go, truth_of(stop_and_go, 60.0), Sensors(0.5)))
+    split = next(place for place, message in enumerate(drive) if message.t_ns >= at(35.0))
+    original = Node("fusion", FusionCore(Tuning()))
+    given_to(original, drive[:split])
     first, second = copy.deepcopy(original), copy.deepcopy(original)
-    ends_ns = round((START_S - WARM_S) * 1e9)
-    drive = messages_of(town, truth_of(town, WARM_S + 20.0), Sensors(0.5, gps_noise_m=1.0))
-    rest = [
-        msgspec.structs.replace(message, t_ns=message.t_ns + ends_ns)
-        for message in drive
-        if message.t_ns >= at(WARM_S)
-    ]
-    ahead = given_to(first, rest)
-    turns = [(given_to(original, [message]), given_to(second, [message])) for message in rest]
-    assert len(only(ahead, Pose)) > 190
+    ahead = given_to(first, drive[split:])
+    turns = [(given_to(original, [m]), given_to(second, [m])) for m in drive[split:]]
+    assert len(only(ahead, Pose)) > 240
     assert [output for outputs, _ in turns for output in outputs] == ahead
     assert [output for _, outputs in turns for output in outputs] == ahead
 
