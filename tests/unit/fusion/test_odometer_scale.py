@@ -18,7 +18,7 @@ from unit.fusion.drives import (
     truth_of,
     winding,
 )
-from wayline.messages import FusionStatus, GpsFix, Gyro, Message, Odometer
+from wayline.messages import FusionStatus, GpsFix, Gyro, Message
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
 from wayline_fusion.horizontal import HorizontalFilter
@@ -181,13 +181,3 @@ def test_considering_a_state_counts_its_doubt_and_leaves_it() -> None:
     assert kalman.x == pytest.approx(x + K @ measurement.y)
     assert np.allclose(kalman.P, left @ P @ left.T + K @ R @ K.T)
     assert abs(P[States.WHEEL_SPEED, States.ODOMETER_SCALE]) > 1e-3
-
-
-def test_wheels_that_fall_silent_keep_their_scale() -> None:
-    """Half a minute of a silent bus: GPS alone says nothing of wheels that do not."""
-    messages = drive(hard_stop_and_go, 330.0, REAL._replace(odometer_scale=0.96))
-    silent = [m for m in messages if not (isinstance(m, Odometer) and m.t_ns >= at(200.0))]
-    statuses = statuses_of(silent)
-    before = next(status for status in statuses if status.t_ns >= at(200.0))
-    assert before.odometer_scale is not None
-    assert statuses[-1].odometer_scale == about(before.odometer_scale, 0.003)
