@@ -113,7 +113,7 @@ _STYLES: dict[tuple[str, str], rr.AsComponents] = {
     ("map", "route"): _strokes(ROUTE, 2.0),
     ("map", "stops"): _dots(ROUTE, 5.0),
     ("map", "fixes"): _dots(GPS, 1.5),
-    ("map", "rejected"): _dots(REJECTED, 2.5),
+    ("map", "rejected"): _dots(REJECTED, 3.0),
     ("map", "rejected_from"): _strokes(REJECTED, 0.5),
     ("map", "path"): _strokes(FUSED, 2.5),
     ("map", "vehicle"): _dots(VEHICLE, 5.0),
