@@ -19,6 +19,8 @@ WHEELS_FRESH_NS = 2_000_000_000
 ROUNDING_CORRELATION_S = 0.1
 """While driving, the rate goes through a coarse gyro's steps this fast."""
 SPEED_UNKNOWN_MPS = 40.0
+SCALE_UNKNOWN = 0.2
+"""Of other tyres, or of a speed in a unit that was guessed."""
 
 
 class Estimate:
@@ -97,8 +99,15 @@ class Estimate:
         if not (is_silent and verdict.accepted):
             self.verdicts.append(alarmed(verdict, measurement, expected))
         if verdict.accepted:
-            self.filter.correct(measurement)
+            self.correct(measurement)
         return verdict.accepted
+
+    def correct(self, measurement: Measurement) -> None:
+        """Correct with a measurement of GPS; without wheels none of them tells of their scale."""
+        if self.wheels_fresh:
+            self.filter.correct(measurement)
+        else:
+            self.filter.consider(measurement, States.ODOMETER_SCALE)
 
     def tell(self, sensor: str, t_ns: int, reason: str) -> None:
         """Say that something known was given up."""

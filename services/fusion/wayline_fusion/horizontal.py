@@ -61,6 +61,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
             1.0,
             tuning.gps_latency_std_s,
             tuning.acceleration_std_mps2,
+            math.radians(tuning.course_bias_std_deg),
         ]
 
     def advance(
@@ -232,6 +233,13 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         made[S.EAST] = 0.5 * over_s * gained_mps * math.sin(heading_rad)
         made[S.NORTH] = 0.5 * over_s * gained_mps * math.cos(heading_rad)
         self.P = self.P + np.outer(made, made)
+
+    def rescale(self, wheels_mps: float, std: float) -> None:
+        """Set the odometer's scale to what makes the speed of a wheel speed that comes next."""
+        scale = abs(self.speed_mps / wheels_mps)
+        self.doubt(S.ODOMETER_SCALE, std)
+        self.x = self.x.copy()
+        self.x[S.ODOMETER_SCALE] = scale
 
     def doubt(self, state: int, std: float) -> None:
         """Keep a value and trust it no more than this."""

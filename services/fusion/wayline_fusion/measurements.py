@@ -60,8 +60,8 @@ def gps_speed(x: Floats, speed_mps: float, std_mps: float) -> Measurement:
 def course(x: Floats, course_rad: float, std_rad: float, rate_radps: float) -> Measurement:
     """GPS course over ground LATENCY ago: the heading then, or its opposite in reverse."""
     heading = x[S.HEADING] + (math.pi if x[S.WHEEL_SPEED] < 0.0 else 0.0)
-    expected = heading - rate_radps * x[S.LATENCY]
-    by_state = {S.HEADING: 1.0, S.LATENCY: -rate_radps}
+    expected = heading - rate_radps * x[S.LATENCY] + x[S.COURSE_BIAS]
+    by_state = {S.HEADING: 1.0, S.LATENCY: -rate_radps, S.COURSE_BIAS: 1.0}
     return _scalar("gps_course", wrap_pi(course_rad - expected), by_state, std_rad)
 
 

@@ -59,7 +59,7 @@ def take_position(estimate: Estimate, fix: Fix, east_m: float, north_m: float) -
     if not verdict.accepted:
         _locked_out(estimate, fix, (east_m, north_m), measurement, nis)
         return
-    estimate.filter.correct(measurement)
+    estimate.correct(measurement)
     square = 0.5 * float(measurement.y @ measurement.y)
     noise = memory.position_noise.learned(
         square, 0.5 * float(np.trace(expected)), claimed_m2, POSITION_FACTOR_MIN
@@ -119,7 +119,7 @@ def _locked_out(
     if lockout.agreed_s < patience_s(lockout, supported_s, tuning, is_likely=is_likely):
         estimate.remember(lockout=lockout)
     elif is_likely:
-        estimate.filter.correct(measurement)
+        estimate.correct(measurement)
         estimate.remember(accepted_fix_ns=fix.t_ns, lockout=None)
     else:
         place(estimate, fix, *place_m, doubt_m=RELOCK_DOUBT_SHARE * lockout.off_m)

@@ -23,7 +23,8 @@ class States:
     GPS_NORTH = 8
     LATENCY = 9  # s, of the fixes beyond what ingest has taken off
     ACCELERATION = 10  # m/s^2, along the heading
+    COURSE_BIAS = 11  # rad, of the fixes' courses
 
 
-SIZE = 11
+SIZE = 12
 """Of the state vector."""

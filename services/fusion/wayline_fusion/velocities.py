@@ -4,7 +4,7 @@ import math
 
 from wayline_fusion import measurements
 from wayline_fusion.bias_wander import Walk
-from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate
+from wayline_fusion.estimate import SCALE_UNKNOWN, SPEED_UNKNOWN_MPS, Estimate
 from wayline_fusion.events import Fix
 from wayline_fusion.gate import nis_of, threshold
 from wayline_fusion.lockout import course_rejected
@@ -16,7 +16,6 @@ from wayline_fusion.streak import after, lasted_s
 VELOCITY_FACTOR_MIN = 0.3
 VELOCITY_FACTOR_MIN_ALONE = 1.0
 """Without wheels nothing but the vehicle's habits tells noise from driving."""
-SCALE_UNKNOWN = 0.2
 BIAS_DOUBT_FACTOR = 3.0
 """A course that had to be set says that the bias is known less well than it seemed; once more, and
 again so."""

@@ -3,7 +3,7 @@
 import math
 
 from wayline_fusion import measurements
-from wayline_fusion.estimate import SPEED_UNKNOWN_MPS, Estimate
+from wayline_fusion.estimate import SCALE_UNKNOWN, SPEED_UNKNOWN_MPS, Estimate
 from wayline_fusion.events import Step, WheelSpeed
 from wayline_fusion.gate import judge, nis_of, threshold
 from wayline_fusion.manoeuvre import allow_manoeuvre
@@ -58,7 +58,13 @@ def _is_believed(estimate: Estimate, event: WheelSpeed, measurement: Measurement
     """Whether wheels that did not lock or spin can read so; only a rejection is told."""
     memory, kalman = estimate.memory, estimate.filter
     rejected_s = lasted_s(memory.wheels_rejected, event.t_ns)
-    if rejected_s >= _patience_s(estimate):
+    if _is_doppler_believed(estimate):
+        if rejected_s >= estimate.tuning.speed_relock_after_s and _is_driving(estimate, event):
+            kalman.rescale(event.speed_mps, SCALE_UNKNOWN)
+            kalman.doubt(States.WHEEL_SPEED, SPEED_UNKNOWN_MPS)
+            estimate.tell("odometer", event.t_ns, "another scale for long; learned anew")
+            return True
+    elif rejected_s >= estimate.tuning.wheels_relock_after_s:
         kalman.stray(float(measurement.y[0]) * rejected_s)
         kalman.doubt(States.WHEEL_SPEED, SPEED_UNKNOWN_MPS)
         estimate.remember(still_since_ns=None)
@@ -74,12 +80,16 @@ def _is_believed(estimate: Estimate, event: WheelSpeed, measurement: Measurement
     return False
 
 
-def _patience_s(estimate: Estimate) -> float:
-    """How long wheels are rejected: while Doppler passes it is they that are wrong."""
+def _is_doppler_believed(estimate: Estimate) -> bool:
+    """While the receiver's speeds pass, it is the wheels that are wrong."""
     streak, speed_ns = estimate.memory.wheels_rejected, estimate.memory.speed_accepted_ns
-    if streak is not None and speed_ns is not None and speed_ns > streak.since_ns:
-        return estimate.tuning.speed_relock_after_s
-    return estimate.tuning.wheels_relock_after_s
+    return streak is not None and speed_ns is not None and speed_ns > streak.since_ns
+
+
+def _is_driving(estimate: Estimate, event: WheelSpeed) -> bool:
+    """Wheels and the filter say so, if not how fast; a sensor that is stuck at 0 has no scale."""
+    least_mps = estimate.tuning.course_speed_min_mps
+    return min(abs(event.speed_mps), abs(estimate.filter.speed_mps)) >= least_mps
 
 
 def _roll(estimate: Estimate, event: WheelSpeed) -> None:

@@ -1,5 +1,6 @@
 """Motions with a formula for their place, and sensors that are exact, late, slow or coarse."""
 
+import msgspec
 import pytest
 
 from builders import at, only, run_core
@@ -18,7 +19,8 @@ from unit.fusion.drives import (
     truth_at,
     truth_of,
 )
-from wayline.messages import FusionStatus, Pose
+from wayline.geo import wrap_360
+from wayline.messages import FusionStatus, GpsFix, Pose
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
 
@@ -67,6 +69,19 @@ def test_pulling_away_is_believed_at_once_however_rarely_the_speed_comes() -> No
     outputs = run_core(FusionCore(Tuning()), messages_of(stop_and_go, truths, OBD))
     verdicts = [v for status in only(outputs, FusionStatus) for v in status.verdicts]
     assert not [v for v in verdicts if v.sensor == "odometer"]
+
+
+def test_courses_that_are_all_off_do_not_turn_the_way() -> None:
+    """An axle askew, or a receiver that cuts tenths of a degree: fixes tell in a few minutes."""
+    truths = truth_of(straight, 600.0)
+    messages = [
+        msgspec.structs.replace(message, course_deg=wrap_360(message.course_deg - 0.1))
+        if isinstance(message, GpsFix) and message.course_deg is not None
+        else message
+        for message in messages_of(straight, truths, Sensors())
+    ]
+    last = only(run_core(FusionCore(Tuning()), messages), Pose)[-1]
+    assert heading_error_deg(last, truths) < 0.05
 
 
 @pytest.mark.parametrize("motion", [figure_eight, spiral_down])

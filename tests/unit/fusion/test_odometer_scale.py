@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from builders import about, at, gyro, only, run_core
-from faults import tunnel
+from faults import tunnel, wheels_read
 from unit.fusion.drives import (
     Motion,
     Sensors,
@@ -18,7 +18,7 @@ from unit.fusion.drives import (
     truth_of,
     winding,
 )
-from wayline.messages import FusionStatus, GpsFix, Gyro, Message
+from wayline.messages import FusionStatus, GpsFix, Gyro, Message, Pose
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
 from wayline_fusion.horizontal import HorizontalFilter
@@ -63,6 +63,37 @@ def test_without_gps_starts_and_stops_teach_the_wheels_nothing(motion: Motion) -
     first, *_, last = statuses_of(wheels_alone)
     assert last.odometer_scale == first.odometer_scale == 1.0
     assert last.odometer_scale_std == pytest.approx(first.odometer_scale_std, rel=0.01)
+
+
+def test_gps_alone_teaches_the_wheels_nothing_either() -> None:
+    """What Doppler and a guessed acceleration disagree in is no scale of wheels that are silent."""
+    gps_alone: list[Message] = [m for m in drive(hard_stop_and_go, 200.0) if isinstance(m, GpsFix)]
+    first, *_, last = statuses_of(gps_alone)
+    assert last.odometer_scale == first.odometer_scale == 1.0
+    assert last.odometer_scale_std == pytest.approx(first.odometer_scale_std, rel=0.01)
+
+
+def test_wheels_of_another_size_are_learned_anew_while_doppler_goes_on() -> None:
+    """Rejected for ten seconds, then taken by the scale that Doppler gives them."""
+    messages = wheels_read((60.0, 999.0), 1.15)(drive(winding, 120.0), at(0.0))
+    statuses = statuses_of(messages)
+    anew = [t_ns for t_ns, reason in rejected_by(statuses, "odometer") if "anew" in (reason or "")]
+    assert [seconds_of(t_ns) for t_ns in anew] == [about(70.0, 0.5)]
+    assert not rejected_by(statuses, "gps_speed")
+    last = statuses[-1]
+    assert last.odometer_scale is not None
+    assert last.odometer_scale_std is not None
+    assert abs(last.odometer_scale - 1.0 / 1.15) < 3.0 * last.odometer_scale_std
+
+
+def test_many_wheel_speeds_a_second_tell_no_more_than_ten() -> None:
+    """Their errors last for longer than a hundredth of a second."""
+    stds_mps = []
+    for rate_hz in (10, 100):
+        messages = drive(winding, 90.0, REAL._replace(odometer_hz=rate_hz))
+        poses: list[Pose] = only(run_core(FusionCore(TUNING), messages), Pose)
+        stds_mps.append(poses[-1].speed_std_mps or 0.0)
+    assert stds_mps[1] > 0.8 * stds_mps[0] > 0.0
 
 
 def test_starts_and_stops_in_a_tunnel_leave_the_scale_as_it_was_learned() -> None:
