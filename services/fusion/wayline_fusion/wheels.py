@@ -12,6 +12,8 @@ from wayline_fusion.memory import Rolled
 from wayline_fusion.states import States
 from wayline_fusion.streak import after, lasted_s
 
+DOPPLER_FRESH_NS = 3_000_000_000
+"""Older, the speed of a fix says nothing against wheels."""
 NOISE_CORRELATION_NS = 100_000_000
 """Wheel speeds that come faster are wrong alike: rough roads, uneven teeth, filters."""
 TRAPEZOID_NS = 1_000_000_000
@@ -81,9 +83,11 @@ def _is_believed(estimate: Estimate, event: WheelSpeed, measurement: Measurement
 
 
 def _is_doppler_believed(estimate: Estimate) -> bool:
-    """While the receiver's speeds pass, it is the wheels that are wrong."""
+    """While the receiver's speeds pass, it is the wheels that are wrong; in a tunnel none do."""
     streak, speed_ns = estimate.memory.wheels_rejected, estimate.memory.speed_accepted_ns
-    return streak is not None and speed_ns is not None and speed_ns > streak.since_ns
+    if streak is None or speed_ns is None:
+        return False
+    return speed_ns > streak.since_ns and estimate.t_ns - speed_ns <= DOPPLER_FRESH_NS
 
 
 def _is_driving(estimate: Estimate, event: WheelSpeed) -> bool:

@@ -86,6 +86,14 @@ def test_wheels_of_another_size_are_learned_anew_while_doppler_goes_on() -> None
     assert abs(last.odometer_scale - 1.0 / 1.15) < 3.0 * last.odometer_scale_std
 
 
+def test_wheels_that_doppler_contradicted_are_believed_again_in_a_tunnel() -> None:
+    """Nothing contradicts them there, and without them no braking would be noticed."""
+    sensors = REAL._replace(outage=(65.0, 120.0))
+    messages = wheels_read((63.0, 999.0), 1.4)(drive(stop_and_go, 120.0, sensors), at(0.0))
+    rejected = [t_ns for t_ns, _ in rejected_by(statuses_of(messages), "odometer")]
+    assert at(64.0) < max(rejected) < at(70.0)
+
+
 def test_many_wheel_speeds_a_second_tell_no_more_than_ten() -> None:
     """Their errors last for longer than a hundredth of a second."""
     stds_mps = []
