@@ -19,6 +19,7 @@ WHEELS_FRESH_NS = 2_000_000_000
 ROUNDING_CORRELATION_S = 0.1
 """While driving, the rate goes through a coarse gyro's steps this fast."""
 SPEED_UNKNOWN_MPS = 40.0
+"""Std of a speed that may be any."""
 SCALE_UNKNOWN = 0.2
 """Of other tyres, or of a speed in a unit that was guessed."""
 

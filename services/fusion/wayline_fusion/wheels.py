@@ -34,7 +34,7 @@ def take_wheel_speed(estimate: Estimate, event: WheelSpeed) -> None:
         return
     std_mps = event.std_mps * _oversampled(estimate, event.t_ns)
     measurement = measurements.odometer(estimate.filter.x, event.speed_mps, std_mps)
-    if not _is_believed(estimate, event, measurement):
+    if not _believe(estimate, event, measurement):
         streak = after(estimate.memory.wheels_rejected, event.t_ns, is_accepted=False)
         estimate.remember(wheels_rejected=streak, still_since_ns=None)
         return
@@ -56,8 +56,11 @@ def _oversampled(estimate: Estimate, t_ns: int) -> float:
     return math.sqrt(NOISE_CORRELATION_NS / (t_ns - before.t_ns))
 
 
-def _is_believed(estimate: Estimate, event: WheelSpeed, measurement: Measurement) -> bool:
-    """Whether wheels that did not lock or spin can read so; only a rejection is told."""
+def _believe(estimate: Estimate, event: WheelSpeed, measurement: Measurement) -> bool:
+    """False of wheels that locked or spin, which is told; else what spoke against them is doubted.
+
+    That is the acceleration, or after long enough the speed or the scale.
+    """
     memory, kalman = estimate.memory, estimate.filter
     rejected_s = lasted_s(memory.wheels_rejected, event.t_ns)
     if _is_doppler_believed(estimate):

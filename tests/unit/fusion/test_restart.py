@@ -17,6 +17,7 @@ from unit.fusion.drives import (
     Truth,
     circle,
     error_m,
+    figure_eight,
     heading_error_deg,
     messages_of,
     seconds_of,
@@ -189,7 +190,7 @@ def test_messages_of_before_the_restart_do_not_hide_what_was_kept() -> None:
 
 def test_nothing_of_the_calibration_is_lost_between_two_runs() -> None:
     """A second of gyro changes nothing but what switching on does to the bias."""
-    saved = learned()
+    saved = learned(motion=figure_eight)
     again = run([gyro(316.0 + k / 100, 0.5) for k in range(100)], saved)[1].calibration
     once = saved.calibration
     for name in ("odometer_scale", "gyro_scale", "gps_latency_s"):
@@ -198,7 +199,7 @@ def test_nothing_of_the_calibration_is_lost_between_two_runs() -> None:
         assert getattr(again, name) == pytest.approx(getattr(once, name), rel=0.05)
     for name in ("position_noise_factor", "velocity_noise_factor", "bias_wander_factor"):
         assert getattr(again, name) == getattr(once, name)
-    assert max(map(abs, once.correlations[3:])) > 0.005
+    assert max(map(abs, once.correlations[3:])) > 0.01
     assert again.correlations[3:] == pytest.approx(once.correlations[3:], abs=0.002)
 
 
