@@ -30,8 +30,13 @@ def imports(path: Path) -> Iterator[str]:
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module:
+        elif isinstance(node, ast.ImportFrom) and node.module and not names_only(node):
             yield node.module
+
+
+def names_only(node: ast.ImportFrom) -> bool:
+    """Whether no file is touched: a PurePath is a text with parts."""
+    return node.module == "pathlib" and {alias.name for alias in node.names} == {"PurePath"}
 
 
 def is_pure(path: Path) -> bool:

@@ -19,8 +19,8 @@ from wayline.errors import InputError
 from wayline.mcap_log import McapWriter
 from wayline.messages import GpsFix, Pose
 from wayline.rerun_view import LOOPBACK, RerunRecording
-from wayline_cli.replay import replay
 from wayline_cli.view import Viewed, read_logged, view, viewer_program
+from wayline_replay.replay import replay
 
 DEADLINE_S = 30.0
 

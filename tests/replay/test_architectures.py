@@ -7,11 +7,11 @@ import msgspec
 import pytest
 
 from wayline.tuning import ArchitectureName
-from wayline_cli.replay import replay
-from wayline_cli.stream import Outage
 from wayline_evaluation.architectures import ArchitectureRow, architecture_rows
 from wayline_evaluation.commands import outages_command
 from wayline_evaluation.outages import OutageReport
+from wayline_replay.outages import Outage
+from wayline_replay.replay import replay
 from wayline_simulator.drive_folder import simulate
 from wayline_simulator.scenario import Scenario, overlaid
 

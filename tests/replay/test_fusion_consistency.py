@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from builders import only, run_core
 from wayline.drive import load_drive
 from wayline.messages import FusionStatus, Pose, Verdict
-from wayline_cli.stream import DriveStream, Outage, with_outages
 from wayline_evaluation.estimates import estimates_of
 from wayline_evaluation.pose_errors import PoseErrors, compared, pooled
 from wayline_evaluation.replays import needed_truth
 from wayline_fusion.core import FusionCore
+from wayline_replay.outages import Outage, with_outages
+from wayline_replay.stream import DriveStream
 from wayline_simulator.drive_folder import simulate
 from wayline_simulator.scenario import load_scenario, overlaid
 

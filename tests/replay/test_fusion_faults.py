@@ -39,9 +39,9 @@ from wayline.messages import (
     Verdict,
 )
 from wayline.node import Node
-from wayline_cli.stream import DriveStream
 from wayline_evaluation.estimates import Estimates, estimates_of
 from wayline_fusion.core import FusionCore
+from wayline_replay.stream import DriveStream
 
 BEFORE_S, FAULT_S, END_S = 590.0, 600.0, 720.0
 SECOND_NS = 1_000_000_000

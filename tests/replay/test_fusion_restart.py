@@ -15,9 +15,10 @@ from wayline.geo import step_between
 from wayline.messages import FusionStatus, Message, Pose
 from wayline.node import Node
 from wayline.tuning import Tuning
-from wayline_cli.stream import DriveStream, Outage, with_outages
 from wayline_fusion.core import FusionCore
 from wayline_fusion.records import Saved
+from wayline_replay.outages import Outage, with_outages
+from wayline_replay.stream import DriveStream
 
 SECOND_NS = 1_000_000_000
 TUNNEL = Outage(600.0, 60.0)

@@ -14,12 +14,13 @@ import pytest
 
 from wayline.database import open_database
 from wayline.drive import load_drive
-from wayline_cli.replay import replay
-from wayline_cli.stream import DriveStream, Outage
 from wayline_evaluation.outages import score_outage
 from wayline_evaluation.pose_errors import compared
 from wayline_evaluation.reference import fixes_reference
 from wayline_evaluation.replays import read_replay
+from wayline_replay.outages import Outage
+from wayline_replay.replay import replay
+from wayline_replay.stream import DriveStream
 from wayline_slope_map.export import export_rows
 
 ROOT = Path(__file__).parents[2]

@@ -25,8 +25,7 @@ from wayline_simulator.command import simulate_command
 
 if TYPE_CHECKING:
     from wayline.settings import BusSettings
-    from wayline_cli.replay import Summary
-    from wayline_cli.stream import Outage
+    from wayline_replay.replay import Summary
 
 app = typer.Typer(
     help="Locates vehicles, predicts their arrivals and learns the slope of the roads they drive.",
@@ -126,7 +125,8 @@ def replay_command(
     ] = None,
 ) -> None:
     """Run a recorded drive through the whole system, as fast as it goes."""
-    from wayline_cli.replay import replay
+    from wayline_replay.outages import parse_outage
+    from wayline_replay.replay import replay
 
     outages = [parse_outage(text) for text in gps_outage or []]
     with _progress() as progressed:
@@ -242,21 +242,6 @@ def slope_export_command(
     rows = export_slope_csv(database, out, sys.stdout)
     if out is not None:
         typer.echo(f"{out}: {rows:,} bins")
-
-
-def parse_outage(text: str) -> "Outage":
-    """An outage from START_S:LENGTH_S."""
-    from wayline_cli.stream import Outage
-
-    mend = "give START_S:LENGTH_S, e.g. 600:60"
-    start, _, length = text.partition(":")
-    try:
-        outage = Outage(float(start), float(length))
-    except ValueError:
-        raise InputError("--gps-outage", f"{text!r} is no outage", mend) from None
-    if not (outage.start_s >= 0.0 and outage.length_s > 0.0):
-        raise InputError("--gps-outage", f"{text!r} is no outage", mend)
-    return outage
 
 
 def _bus(config: Path | None) -> "BusSettings":

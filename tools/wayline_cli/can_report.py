@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from rich.table import Table
 
-from wayline_cli.can_findings import Arriving, missing
-from wayline_cli.doctor_can import Diagnosis
+from wayline_can_ingest.diagnosis.diagnose import Diagnosis
+from wayline_can_ingest.diagnosis.findings import Arriving, missing
 
 
 def summary(diagnosis: Diagnosis) -> Iterator[str]:

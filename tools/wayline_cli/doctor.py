@@ -129,7 +129,8 @@ def devices(settings: Settings) -> list[Check]:
 
         checks += check_receivers(settings.nmea, listen, serial_devices)
     if settings.can and is_installed("can") and is_installed("isotp"):
-        from wayline_cli.check_can import check_can, try_can  # noqa: PLC0415
+        from wayline_can_ingest.diagnosis.opening import try_can  # noqa: PLC0415
+        from wayline_cli.check_can import check_can  # noqa: PLC0415
 
         checks += check_can(settings.can, try_can)
     return checks

@@ -17,9 +17,9 @@ from wayline.errors import InputError
 
 if TYPE_CHECKING:
     from wayline.settings import LiveCan
+    from wayline_can_ingest.diagnosis.diagnose import Diagnosis
+    from wayline_can_ingest.diagnosis.listen import Heard
     from wayline_can_ingest.mapping import Mapping
-    from wayline_cli.can_listen import Heard
-    from wayline_cli.doctor_can import Diagnosis
 
 doctor_app = typer.Typer(invoke_without_command=True)
 FILE_WIDTH = 120
@@ -98,9 +98,9 @@ def doctor_can_command(
     wayline doctor can --log drive.log --dbc car.dbc
     """
     from wayline_can_ingest.dbc import load_databases
-    from wayline_cli import can_table
-    from wayline_cli.can_listen import Heard, heard_in
-    from wayline_cli.doctor_can import diagnose
+    from wayline_can_ingest.diagnosis import table as can_table
+    from wayline_can_ingest.diagnosis.diagnose import diagnose
+    from wayline_can_ingest.diagnosis.listen import Heard, heard_in
 
     paths, live_options = dbc or [], (interface, channel, bitrate, option, obd2 or None)
     asks_live = any(each is not None for each in live_options)
@@ -157,7 +157,7 @@ def _option(text: str) -> tuple[str, Scalar]:
 
 
 def _listened(source: "LiveCan", seconds: float) -> "Heard":
-    from wayline_cli.can_listen import heard_on
+    from wayline_can_ingest.diagnosis.listen import heard_on
 
     what = "polling" if source.obd2 else "listening to"
     typer.echo(f"{what} {source.interface} {source.channel} for {seconds:g} s", err=True)

@@ -25,8 +25,8 @@ from wayline.geo import step_between
 from wayline.messages import Health, Message, Pose
 from wayline_cli.listener import Heard, Listener
 from wayline_cli.local_system import LocalSystem
-from wayline_cli.replay import replay
 from wayline_fusion.core import FusionCore
+from wayline_replay.replay import replay
 
 SENSED = ("gps_fix", "gps_sky", "odometer", "gyro", "torque", "barometer")
 NEAR_M = 0.5

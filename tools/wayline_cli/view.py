@@ -19,7 +19,7 @@ from wayline.drive import load_drive
 from wayline.errors import InputError
 from wayline.messages import TOPICS, Message
 from wayline.route import Route, load_route
-from wayline_cli.replay import replay
+from wayline_replay.replay import replay
 
 if TYPE_CHECKING:
     from wayline.rerun_view import RerunRecording

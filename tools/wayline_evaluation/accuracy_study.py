@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wayline_cli.stream import Outage
 from wayline_evaluation.accuracy import AccuracyReport, ScoredDrive, accuracy_report
 from wayline_evaluation.pose_errors import compared
 from wayline_evaluation.reference import fixes_reference
@@ -17,6 +16,7 @@ from wayline_evaluation.replays import (
     truth_of,
 )
 from wayline_evaluation.told import told, told_of_all
+from wayline_replay.outages import Outage
 
 
 @dataclass(frozen=True, slots=True)

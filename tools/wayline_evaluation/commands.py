@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     import msgspec
     from rich.table import Table
 
-    from wayline_cli.stream import Outage
-
 evaluate_app = typer.Typer(
     help="Studies of how good estimates are, on any drives.", no_args_is_help=True
 )
@@ -60,8 +58,9 @@ def accuracy_command(
     from wayline_evaluation.plots import plot_accuracy
     from wayline_evaluation.replays import Options
     from wayline_evaluation.tables import accuracy_tables
+    from wayline_replay.outages import parse_outage
 
-    outages = [_outage(text) for text in gps_outage or []]
+    outages = [parse_outage(text) for text in gps_outage or []]
     with progress() as progressed:
         options = Options(out=out, jobs=jobs, yardstick=yardstick)
         report, scored = accuracy_study(drives, outages, options, progressed)
@@ -166,12 +165,6 @@ def sensors_command(
     _tell(sensor_tables(report, groups), report, json)
     if plot is not None:
         plot_sensors(groups, plot)
-
-
-def _outage(text: str) -> "Outage":
-    from wayline_cli.__main__ import parse_outage
-
-    return parse_outage(text)
 
 
 def _tell(tables: "Iterable[Table]", report: "msgspec.Struct", json: Path | None) -> None:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import msgspec
 import numpy as np
 
-from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates, Floats
 from wayline_evaluation.pose_errors import pose_errors
 from wayline_evaluation.reference import Reference
+from wayline_replay.outages import Outage
 
 EVERY_S = 1.0
 EVERY_M = 20.0

@@ -7,7 +7,6 @@ from typing import get_args
 
 from wayline.errors import InputError
 from wayline.tuning import ArchitectureName
-from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates
 from wayline_evaluation.growth import Drift, drift_of
 from wayline_evaluation.outages import (
@@ -28,6 +27,7 @@ from wayline_evaluation.replays import (
     truth_of,
 )
 from wayline_evaluation.told import told, told_of_all
+from wayline_replay.outages import Outage
 
 BETWEEN_S = 120.0
 """With GPS from one outage to the next where the user says nothing: time to calibrate again."""

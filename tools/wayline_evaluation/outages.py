@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
-from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates
 from wayline_evaluation.figures import Figures, figures_of, ratio_of
 from wayline_evaluation.growth import Drift, Growth, growths
 from wayline_evaluation.pose_errors import pose_errors
 from wayline_evaluation.reference import Kind, Reference
+from wayline_replay.outages import Outage
 
 SHORTEST_M = 10.0
 """A vehicle that hardly moved has no error in percent of its way."""

@@ -14,11 +14,11 @@ from wayline.drive import load_drive
 from wayline.errors import InputError
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Pose, Torque
 from wayline.tuning import ArchitectureName
-from wayline_cli.replay import replay
-from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates, estimates_of
 from wayline_evaluation.reference import Kind, Reference
 from wayline_evaluation.truth import read_truth
+from wayline_replay.outages import Outage
+from wayline_replay.replay import replay
 
 Progressed = Callable[[int, int], None]
 """Called with how many replays of how many are done."""

@@ -3,7 +3,7 @@
 import zlib
 from typing import NamedTuple
 
-from wayline_cli.stream import Outage
+from wayline_replay.outages import Outage
 
 SEEDS = 9000
 """A scenario's own come from its name: drives of equal seeds would share their devices' errors."""

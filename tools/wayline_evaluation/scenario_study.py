@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from wayline_cli.replay import Summary, replay
-from wayline_cli.stream import Outage
 from wayline_evaluation.outages import OutageScore, score_outage
 from wayline_evaluation.pose_errors import PoseErrors, compared
 from wayline_evaluation.reference import Reference
@@ -24,6 +22,8 @@ from wayline_evaluation.scenario_bars import (
 )
 from wayline_evaluation.scenario_plan import StudyDrive, outages_within
 from wayline_evaluation.told import told
+from wayline_replay.outages import Outage
+from wayline_replay.replay import Summary, replay
 from wayline_simulator.course import Surroundings
 from wayline_simulator.drive_folder import simulate
 from wayline_simulator.facts import read_facts

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from wayline.drive import Drive
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
-from wayline_cli.stream import DriveStream, Outage
 from wayline_evaluation.estimates import Floats
+from wayline_replay.outages import Outage
+from wayline_replay.stream import DriveStream
 
 
 @dataclass(frozen=True, slots=True)

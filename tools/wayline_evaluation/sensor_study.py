@@ -9,7 +9,6 @@ import msgspec
 from wayline.drive import Drive, DriveInfo, NmeaSource, load_drive
 from wayline.errors import InputError
 from wayline.messages import GpsFix
-from wayline_cli.stream import DriveStream
 from wayline_evaluation.replays import Progressed, drive_name
 from wayline_evaluation.sensed import Sensed, sensed_of
 from wayline_evaluation.sensor_gps import GpsFigures, gps_figures
@@ -24,6 +23,7 @@ from wayline_evaluation.sensor_vehicle import (
 )
 from wayline_evaluation.standstills import Span, standstills
 from wayline_evaluation.truth import read_truth
+from wayline_replay.stream import DriveStream
 from wayline_simulator.facts import Facts, read_facts
 
 NMEA_SUFFIXES = (".nmea", ".log", ".txt")

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from wayline.drive import load_drive
 from wayline.errors import InputError
-from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates, Floats
 from wayline_evaluation.replays import needed_truth
 from wayline_evaluation.sensed import sense, without_fixes
 from wayline_evaluation.yardstick_altitude import road_unrest_pct2_per_m
 from wayline_evaluation.yardstick_run import told_estimates
+from wayline_replay.outages import Outage
 from wayline_simulator.facts import Facts, read_facts
 
 

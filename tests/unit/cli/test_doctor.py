@@ -16,9 +16,10 @@ from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
 from wayline.router import open_router
 from wayline.settings import BusSettings, LiveCan, LiveNmea, Settings
+from wayline_can_ingest.diagnosis.opening import try_can
 from wayline_cli import check_network
 from wayline_cli.check import Check, Verdict, attempted, fine, is_well, note, wrong
-from wayline_cli.check_can import check_can, try_can
+from wayline_cli.check_can import check_can
 from wayline_cli.check_database import database_finding
 from wayline_cli.check_machine import (
     check_clock,

@@ -14,9 +14,9 @@ from ecu import Ecu
 from wayline.drive import load_drive
 from wayline.errors import InputError
 from wayline.messages import Message, Odometer
+from wayline_can_ingest.diagnosis.findings import arrivals
 from wayline_can_ingest.recorded import recordings
 from wayline_cli.__main__ import app
-from wayline_cli.can_findings import arrivals
 
 Recorded = Callable[[str], Path]
 SECONDS = "2"

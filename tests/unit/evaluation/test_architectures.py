@@ -8,7 +8,6 @@ from rich.console import Console
 
 from unit.evaluation.drives import START_S, eastwards, off
 from wayline.errors import InputError
-from wayline_cli.stream import Outage
 from wayline_evaluation.architectures import PAPER_PCT, architecture_rows, paper_rows
 from wayline_evaluation.estimates import Floats
 from wayline_evaluation.growth import Drift, Growth, drift_of, growths
@@ -16,6 +15,7 @@ from wayline_evaluation.outage_study import architectures_of
 from wayline_evaluation.outages import OutageScore, outage_report
 from wayline_evaluation.reference import Reference
 from wayline_evaluation.tables import architecture_tables
+from wayline_replay.outages import Outage
 
 OUTAGE = Outage(20.0, 60.0)
 

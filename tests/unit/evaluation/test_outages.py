@@ -6,10 +6,10 @@ import pytest
 
 from unit.evaluation.drives import START_S, eastwards, off
 from wayline.messages import GpsFix
-from wayline_cli.stream import Outage
 from wayline_evaluation.estimates import Estimates
 from wayline_evaluation.outages import OutageScore, outage_report, schedule, score_outage
 from wayline_evaluation.reference import Reference, fixes_reference
+from wayline_replay.outages import Outage
 
 
 def drifting(truth: Reference, begin_s: float) -> Estimates:

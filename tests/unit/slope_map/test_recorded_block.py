@@ -7,7 +7,7 @@ import numpy as np
 import sqlalchemy as sa
 
 from wayline.database import open_database
-from wayline_cli.replay import replay
+from wayline_replay.replay import replay
 from wayline_slope_map.store import SlopeStore
 from wayline_slope_map.tables import SUMS
 

@@ -1,15 +1,12 @@
-"""A drive's messages in order of arrival, from all its recordings."""
+"""Pure: receivers blinded for a while, to see how a vehicle is followed without them."""
 
-import heapq
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from wayline.arrival import Arrival, in_order
-from wayline.drive import Drive
+from wayline.arrival import Arrival
+from wayline.errors import InputError
 from wayline.messages import GpsFix
-from wayline_can_ingest import recorded as can
-from wayline_gps_ingest import recorded as gps
 
 HEAD_NS = 5_000_000_000
 """A drive's smallest t_ns comes within this much arrival time of its first message."""
@@ -22,25 +19,17 @@ class Outage(NamedTuple):
     length_s: float
 
 
-class DriveStream:
-    """Iterates once over a drive's messages in order of arrival.
-
-    `where` names the drive file in errors. Raises InputError.
-    """
-
-    def __init__(self, drive: Drive, where: str) -> None:
-        self._recordings = [*gps.recordings(drive), *can.recordings(drive, where)]
-
-    def __iter__(self) -> Iterator[Arrival]:
-        return heapq.merge(
-            *(in_order(order, recording) for order, recording in enumerate(self._recordings)),
-            key=lambda arrival: arrival[:2],
-        )
-
-    @property
-    def bad_input(self) -> dict[str, int]:
-        """Sentences, rows and frames that were counted and dropped so far, by source."""
-        return {recording.source: recording.bad_input() for recording in self._recordings}
+def parse_outage(text: str) -> Outage:
+    """An outage from START_S:LENGTH_S. Raises InputError."""
+    mend = "give START_S:LENGTH_S, e.g. 600:60"
+    start, _, length = text.partition(":")
+    try:
+        outage = Outage(float(start), float(length))
+    except ValueError:
+        raise InputError("--gps-outage", f"{text!r} is no outage", mend) from None
+    if not (outage.start_s >= 0.0 and outage.length_s > 0.0):
+        raise InputError("--gps-outage", f"{text!r} is no outage", mend)
+    return outage
 
 
 def with_outages(arrivals: Iterable[Arrival], outages: Sequence[Outage]) -> Iterator[Arrival]:

@@ -10,8 +10,8 @@ from cantools.database.can import Database
 from cantools.database.can import Message as DbcMessage
 from cantools.database.can.signal import Signal
 
-from wayline_cli.can_rules import JUDGEMENT, RECEIVER, RULES, Rule
-from wayline_cli.can_seen import Range, Seen, validity_of
+from wayline_can_ingest.diagnosis.rules import JUDGEMENT, RECEIVER, RULES, Rule
+from wayline_can_ingest.diagnosis.seen import Range, Seen, validity_of
 
 YAW_RATE = "gyro.yaw_rate_degps"
 """Wayline's is positive to the right, most vehicles' to the left (ISO 8855)."""

@@ -14,11 +14,12 @@ from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
 from wayline.route import Route, load_route
 from wayline.tuning import ArchitectureName
-from wayline_cli.stream import DriveStream, Outage, with_outages
 from wayline_dashboard.core import DashboardCore
 from wayline_eta.core import make_eta_core
 from wayline_fusion.core import FusionCore
 from wayline_fusion.store import FusionStore
+from wayline_replay.outages import Outage, with_outages
+from wayline_replay.stream import DriveStream
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.store import SlopeStore
 

@@ -10,15 +10,14 @@ from typing import NamedTuple
 import msgspec
 
 from wayline.can_log import CanLog
-from wayline.errors import InputError
 from wayline.inputs import Frame
 from wayline.settings import LiveCan
 from wayline_can_ingest.bus_reader import NOT_TRIED
+from wayline_can_ingest.diagnosis.opening import not_opened
 from wayline_can_ingest.frames import ERROR
 from wayline_can_ingest.interfaces import Interface
 from wayline_can_ingest.obd2_poll import Obd2Poll
 from wayline_can_ingest.wanted import Everything
-from wayline_cli.check_can import check_can
 
 MOST_FRAMES = 500_000
 """Two minutes of a full 500 kbit/s bus: enough of a recording to judge by."""
@@ -63,9 +62,8 @@ def _await_open(bus: Interface, source: LiveCan) -> None:
     """Serial adapters take seconds. Raises InputError where it does not open."""
     while (error := bus.condition.link_error) == NOT_TRIED:
         time.sleep(LOOK_S)
-    (check,) = check_can([source], lambda _: error)
-    if check.mend:
-        raise InputError(check.subject, check.finding, check.mend)
+    if error is not None:
+        raise not_opened(source, error)
 
 
 def _note(bus: Interface) -> str:

@@ -5,8 +5,8 @@ import pytest
 from cantools.database.can import Database
 
 from wayline.inputs import Frame
-from wayline_cli.can_proposal import Proposal, messages_by_name, propose
-from wayline_cli.can_seen import is_matched_by_pgn, seen_in
+from wayline_can_ingest.diagnosis.proposal import Proposal, messages_by_name, propose
+from wayline_can_ingest.diagnosis.seen import is_matched_by_pgn, seen_in
 
 HEAD = 'VERSION ""\nBU_: ECU\n'
 WHEELS = """BO_ 170 WHEELS: 8 ECU

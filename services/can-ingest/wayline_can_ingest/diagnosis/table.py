@@ -3,16 +3,16 @@
 import json
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
+from pathlib import PurePath
 
 import msgspec
 
 from wayline.drive import Places
 from wayline.settings import LiveCan
-from wayline_cli.can_proposal import Proposal
+from wayline_can_ingest.diagnosis.proposal import Proposal
 
 
-def recorded(paths: Sequence[Path]) -> list[str]:
+def recorded(paths: Sequence[PurePath]) -> list[str]:
     """The keys of a `[[can]]` that is a recording."""
     return [f"path = {_listed(paths)}"]
 
@@ -37,7 +37,7 @@ def profile_table(names: Sequence[str]) -> str:
 
 def can_table(
     source: Iterable[str],
-    dbc: Sequence[Path] = (),
+    dbc: Sequence[PurePath] = (),
     proposals: Iterable[Proposal] = (),
     *,
     j1939: bool = False,
@@ -57,5 +57,5 @@ def signals_of(table: str) -> Mapping[str, Places]:
     return msgspec.convert(tomllib.loads(table)["can"][0].get("signals", {}), dict[str, Places])
 
 
-def _listed(paths: Sequence[Path]) -> str:
+def _listed(paths: Sequence[PurePath]) -> str:
     return json.dumps([str(path.absolute()) for path in paths])

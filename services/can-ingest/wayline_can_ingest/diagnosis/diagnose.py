@@ -5,7 +5,7 @@ Databases and profiles are given as they were loaded.
 
 from collections.abc import Mapping as AnyMapping
 from collections.abc import Sequence
-from pathlib import Path
+from pathlib import PurePath
 from typing import NamedTuple
 
 from cantools.database.can import Database
@@ -13,11 +13,11 @@ from cantools.database.can import Database
 from wayline.drive import CanMapping, Vehicle
 from wayline.errors import InputError
 from wayline.inputs import Frame
+from wayline_can_ingest.diagnosis.findings import Fit, duration_s, share_of, with_quantities
+from wayline_can_ingest.diagnosis.proposal import messages_by_name, propose
+from wayline_can_ingest.diagnosis.seen import is_matched_by_pgn, seen_in
+from wayline_can_ingest.diagnosis.table import can_table, profile_table, signals_of
 from wayline_can_ingest.mapping import Mapping, compile_mapping
-from wayline_cli.can_findings import Fit, duration_s, share_of, with_quantities
-from wayline_cli.can_proposal import messages_by_name, propose
-from wayline_cli.can_seen import is_matched_by_pgn, seen_in
-from wayline_cli.can_table import can_table, profile_table, signals_of
 
 WORTH_PCT = 10.0
 """A profile of which fewer frames come is another vehicle's."""
@@ -50,7 +50,7 @@ def diagnose(
     frames: Sequence[Frame],
     profiles: AnyMapping[str, Mapping],
     databases: Sequence[Database] = (),
-    dbc: Sequence[Path] = (),
+    dbc: Sequence[PurePath] = (),
     source: Sequence[str] = (),
 ) -> Diagnosis:
     """Judge frames by every profile; propose from databases. `source` is the `[[can]]`'s keys.
@@ -86,7 +86,7 @@ def _fit(name: str, mapping: Mapping, frames: Sequence[Frame]) -> Fit:
 def _proposed(
     frames: Sequence[Frame],
     databases: Sequence[Database],
-    dbc: Sequence[Path],
+    dbc: Sequence[PurePath],
     source: Sequence[str],
     *,
     is_truck: bool,

@@ -1,0 +1,1 @@
+"""What `wayline doctor can` knows: profiles that fit a bus, what arrives, a mapping to paste."""

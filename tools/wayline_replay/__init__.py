@@ -1,0 +1,1 @@
+"""Runs drives through the cores of all services in one process."""
