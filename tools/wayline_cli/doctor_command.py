@@ -102,14 +102,16 @@ def doctor_can_command(
     from wayline_can_ingest.diagnosis.diagnose import diagnose
     from wayline_can_ingest.diagnosis.listen import Heard, heard_in
 
-    paths, live_options = dbc or [], (interface, channel, bitrate, option, obd2 or None)
+    # absolute, so that a table pasted elsewhere finds them
+    logs, paths = ([path.absolute() for path in given or ()] for given in (log, dbc))
+    live_options = (interface, channel, bitrate, option, obd2 or None)
     asks_live = any(each is not None for each in live_options)
-    if log and asks_live:
+    if logs and asks_live:
         mend = "give --log alone, or a bus without it"
         raise InputError("--log", "is a recording; --interface and its like are of a bus", mend)
     databases = load_databases(paths)
-    if log:
-        heard, source = heard_in(log), can_table.recorded(log)
+    if logs:
+        heard, source = heard_in(logs), can_table.recorded(logs)
     elif paths and not asks_live:
         heard, source = Heard(()), can_table.live(_source(None, None, None, None, obd2=False))
     else:

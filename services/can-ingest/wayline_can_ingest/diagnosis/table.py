@@ -13,7 +13,7 @@ from wayline_can_ingest.diagnosis.proposal import Proposal
 
 
 def recorded(paths: Sequence[PurePath]) -> list[str]:
-    """The keys of a `[[can]]` that is a recording."""
+    """The keys of a `[[can]]` that is a recording, the paths as they shall stand there."""
     return [f"path = {_listed(paths)}"]
 
 
@@ -42,7 +42,7 @@ def can_table(
     *,
     j1939: bool = False,
 ) -> str:
-    """A `[[can]]` with its `[can.signals]`."""
+    """A `[[can]]` with its `[can.signals]`; the paths of `dbc` as they shall stand there."""
     lines = ["[[can]]", *source]
     if dbc:
         lines.append(f"dbc = {_listed(dbc)}")
@@ -58,4 +58,4 @@ def signals_of(table: str) -> Mapping[str, Places]:
 
 
 def _listed(paths: Sequence[PurePath]) -> str:
-    return json.dumps([str(path.absolute()) for path in paths])
+    return json.dumps([str(path) for path in paths])
