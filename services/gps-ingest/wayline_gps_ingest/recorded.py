@@ -8,7 +8,7 @@ from wayline.avl_log import read_reports
 from wayline.drive import AvlSource, Drive, NmeaSource, Vehicle
 from wayline.errors import InputError
 from wayline.inputs import PositionReport
-from wayline.nmea_log import has_date, read_sentences
+from wayline.nmea_log import NmeaLog, has_date
 from wayline_gps_ingest.core import GpsIngestCore
 
 
@@ -28,15 +28,16 @@ def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
         raise InputError(str(path), "no sentence carries a date", mend)
     core = GpsIngestCore(vehicle.gps_latency_s, source.date)
     latency_ns = round(vehicle.gps_latency_s * 1e9)
+    log = NmeaLog(path)
     messages = translated(
-        read_sentences(path),
+        log,
         core.handle,
         name,
         lambda sentence, message: (
             message.t_ns + latency_ns if sentence.arrival_ns is None else sentence.arrival_ns
         ),
     )
-    return Recording(name, messages, lambda: core.bad_input)
+    return Recording(name, messages, lambda: core.bad_input + log.is_broken)
 
 
 def _reports(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:
