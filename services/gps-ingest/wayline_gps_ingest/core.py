@@ -13,6 +13,7 @@ from wayline_gps_ingest.decode import decode
 from wayline_gps_ingest.displacement import Displacement
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
+from wayline_gps_ingest.latecomers import Latecomers
 from wayline_gps_ingest.parsing import parse
 from wayline_gps_ingest.reports import fix_of_report
 from wayline_gps_ingest.steady_clock import SteadyClock
@@ -42,6 +43,7 @@ class GpsIngestCore:
         self._assembler = EpochAssembler()
         self._timeline = Timeline(date)
         self._clock = SteadyClock()
+        self._latecomers = Latecomers()
         self._displacement = Displacement()
         self._faults: Counter[str] = Counter()
         self._waiting = WaitingRoom()
@@ -57,9 +59,15 @@ class GpsIngestCore:
         `checksum` wrong; `torn`: cut short, or without the checksum that this receiver sends;
         `malformed`; `field`: a time, date or position that cannot be one; `undated`: an epoch
         dropped for want of a date; `clock`: an epoch dropped or moved because the receiver's clock
-        stepped; `report`: a position report outside the world.
+        stepped; `late`: an epoch or a sentence of one that came out of order, after a later epoch
+        was published; `report`: a position report outside the world.
         """
-        counted = {**self._faults, "undated": self._waiting.dropped, "clock": self._clock.faults}
+        counted = {
+            **self._faults,
+            "undated": self._waiting.dropped,
+            "clock": self._clock.faults,
+            "late": self._assembler.late + self._latecomers.dropped,
+        }
         return {reason: times for reason, times in counted.items() if times}
 
     @property
@@ -100,7 +108,7 @@ class GpsIngestCore:
         except BadFieldError:
             self._faults["field"] += 1
             return []
-        self._day_known = self._day_known or "date" in observation.facts
+        self._day_known = self._day_known or "dated_ns" in observation.facts
         complete = self._assembler.add(observation)
         self._arrival_ns = sentence.arrival_ns
         return self._publish(complete) if complete else []
@@ -124,8 +132,8 @@ class GpsIngestCore:
             return []
         fix = epoch.fix(0)
         # without a fix a receiver's date is its own clock's, which may be decades off
-        day = epoch.facts.get("date") if fix.valid else None
-        raw_ns = self._timeline.instant_ns(epoch.time_ns, day, self._arrival_ns)
+        dated_ns = epoch.facts.get("dated_ns") if fix.valid else None
+        raw_ns = self._timeline.instant_ns(epoch.time_ns, dated_ns, self._arrival_ns)
         if raw_ns is None:
             self._waiting.hold(epoch)
             return []
@@ -155,7 +163,7 @@ class GpsIngestCore:
     def _steady_ns(self, fix: GpsFix, raw_ns: int) -> int | None:
         if fix.repeat:
             return self._clock.repeat_ns(raw_ns)
-        if raw_ns < 0:
+        if raw_ns < 0 or self._latecomers.is_late(raw_ns):
             return None
         return self._clock.fixed_ns(raw_ns) if fix.valid else self._clock.unfixed_ns(raw_ns)
 
