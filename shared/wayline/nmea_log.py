@@ -51,6 +51,18 @@ def read_sentences(path: Path) -> Iterator[Sentence]:
     yield from NmeaLog(path)
 
 
+def is_gpsd_log(path: Path) -> bool:
+    """Whether a log is of gpsd's JSON reports (`gpspipe -w`) instead. Raises InputError."""
+    first = next((line for line in _lines(TextFile(path)) if line.strip()), b"")
+    return first.lstrip(b"\xef\xbb\xbf ").startswith(b'{"class":')
+
+
+def gpsd_lines(path: Path) -> Iterator[str]:
+    """The reports of gpsd that a log holds, in order. Raises InputError."""
+    for line in _lines(TextFile(path)):
+        yield line[max(line.find(b"{"), 0) :].decode("utf-8", "replace")
+
+
 def has_date(path: Path) -> bool:
     """Whether any sentence of a log carries a date (RMC, ZDA); reads only up to the first one.
 

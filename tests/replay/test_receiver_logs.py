@@ -147,3 +147,10 @@ def test_a_log_without_a_date_is_refused(log: Callable[..., Replayed], date: str
     """Zeros and 1980 are what a receiver writes that has not heard the date."""
     with pytest.raises(InputError, match=r"no sentence carries a date; add date = YYYY-MM-DD"):
         log(text(gga("120000"), rmc("120000", date=date)))
+
+
+def test_a_log_of_gpsds_reports_is_read(log: Callable[..., Replayed]) -> None:
+    """As `gpspipe -w` writes it; an old gpsd tells the altitude as `alt`."""
+    found = log((LOGS / "gpsd-old-alt" / "gpsd.jsonl").read_bytes(), name="gpsd.jsonl")
+    assert [(fix["valid"], fix["alt_m"]) for fix in found.fixes] == [(True, 449.5)] * 2
+    assert found.bad_input == 0

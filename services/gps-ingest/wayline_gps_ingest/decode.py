@@ -14,6 +14,7 @@ from wayline_gps_ingest.fields import (
     M_PER_FOOT,
     MPS_PER_KMPH,
     MPS_PER_KNOT,
+    SPEED_MAX_MPS,
     BadFieldError,
     bearing_deg,
     count,
@@ -281,7 +282,7 @@ def _levels(facts: Facts, *, satellites: str, hdop: str, alt_m: str, sep_m: str)
 
 def _motion(facts: Facts, speed: float | None, mps_per_unit: float, course: str) -> None:
     course_deg = bearing_deg(course)
-    if speed is not None:
+    if speed is not None and speed * mps_per_unit <= SPEED_MAX_MPS:
         facts["speed_mps"] = speed * mps_per_unit
     if course_deg is not None:
         facts["course_deg"] = course_deg

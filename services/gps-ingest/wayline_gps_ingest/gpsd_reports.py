@@ -2,6 +2,7 @@
 
 import datetime as dt
 import math
+from typing import Annotated
 
 import msgspec
 
@@ -28,6 +29,10 @@ SYSTEMS: dict[int | None, str] = {
 }
 """By gpsd's gnssid, which is u-blox's."""
 UNIX = dt.datetime(1970, 1, 1, tzinfo=dt.UTC)
+Time = (
+    Annotated[dt.datetime, msgspec.Meta(tz=True)] | Annotated[float, msgspec.Meta(ge=0.0, lt=1e10)]
+)
+"""ISO 8601, in the first versions Unix seconds."""
 
 
 class Tpv(msgspec.Struct, frozen=True, tag="TPV", tag_field="class"):
@@ -36,13 +41,24 @@ class Tpv(msgspec.Struct, frozen=True, tag="TPV", tag_field="class"):
     device: str = ""
     mode: int = 0
     status: int = 0
-    time: dt.datetime | None = None
+    time: Time | None = None
     lat: float | None = None
     lon: float | None = None
+    alt: float | None = None
+    alt_hae: float | None = msgspec.field(name="altHAE", default=None)
     alt_msl: float | None = msgspec.field(name="altMSL", default=None)
     geoid_sep: float | None = msgspec.field(name="geoidSep", default=None)
     speed: float | None = None
     track: float | None = None
+
+    @property
+    def alt_m(self) -> float | None:
+        """Above mean sea level; up to gpsd 3.18 `alt` is that and the only one."""
+        if self.alt_msl is not None:
+            return self.alt_msl
+        if self.alt_hae is None:
+            return self.alt
+        return None if self.geoid_sep is None else self.alt_hae - self.geoid_sep
 
 
 class Gst(msgspec.Struct, frozen=True, tag="GST", tag_field="class"):
@@ -69,6 +85,9 @@ class Sky(msgspec.Struct, frozen=True, tag="SKY", tag_field="class"):
     """Satellites and dilutions of precision."""
 
     device: str = ""
+    time: Time | None = None
+    seen: int | None = msgspec.field(name="nSat", default=None)
+    used: int | None = msgspec.field(name="uSat", default=None)
     hdop: float | None = None
     pdop: float | None = None
     vdop: float | None = None
@@ -91,8 +110,10 @@ def read_report(line: str) -> Tpv | Sky | Gst | None:
     return DECODER.decode(line) if KIND.decode(line).name in READ else None
 
 
-def time_ns(time: dt.datetime) -> int:
+def time_ns(time: dt.datetime | float) -> int:
     """Unix time."""
+    if isinstance(time, float):
+        return round(time * 1e6) * 1000
     return (time - UNIX) // dt.timedelta(microseconds=1) * 1000
 
 

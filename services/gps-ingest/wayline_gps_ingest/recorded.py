@@ -8,8 +8,9 @@ from wayline.avl_log import read_reports
 from wayline.drive import AvlSource, Drive, NmeaSource, Vehicle
 from wayline.errors import InputError
 from wayline.inputs import PositionReport
-from wayline.nmea_log import NmeaLog, has_date
+from wayline.nmea_log import NmeaLog, gpsd_lines, has_date, is_gpsd_log
 from wayline_gps_ingest.core import GpsIngestCore
+from wayline_gps_ingest.gpsd import GpsdCore, GpsdReport
 
 
 def recordings(drive: Drive) -> list[Recording]:
@@ -23,6 +24,8 @@ def recordings(drive: Drive) -> list[Recording]:
 
 def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
     path = Path(source.path)
+    if is_gpsd_log(path):
+        return _gpsd(path, vehicle, name)
     if source.date is None and not has_date(path):
         mend = "add date = YYYY-MM-DD to its [[nmea]]"
         raise InputError(str(path), "no sentence carries a date", mend)
@@ -38,6 +41,15 @@ def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
         ),
     )
     return Recording(name, messages, lambda: core.bad_input + log.is_broken)
+
+
+def _gpsd(path: Path, vehicle: Vehicle, name: str) -> Recording:
+    """What `gpspipe -w` wrote down of a gpsd."""
+    core = GpsdCore(vehicle.gps_latency_s)
+    latency_ns = round(vehicle.gps_latency_s * 1e9)
+    lines = (GpsdReport(None, line) for line in gpsd_lines(path))
+    messages = translated(lines, core.handle, name, lambda _, fix: fix.t_ns + latency_ns)
+    return Recording(name, messages, lambda: core.bad_input)
 
 
 def _reports(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:
