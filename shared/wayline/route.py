@@ -25,6 +25,9 @@ DEFAULT_SPEED_MPS = 8.0
 CLOSED_WITHIN_M = 0.5
 """How near a loop's last vertex must be to its first."""
 
+LEG_MAX_M = 500_000.0
+"""Between two vertices; a longer one has a mistake in an end, as an exchanged latitude."""
+
 
 class Route:
     """A directed line with one planned speed a leg, and stops in order of travel.
@@ -119,6 +122,7 @@ def make_route(
         raise InputError(where, "all points of the line are one", "a route needs two or more")
     kept = np.concatenate(([True], moves))
     line = Line(lats_deg[kept], lons_deg[kept])
+    _check_legs(where, line)
     if loop:
         _check_closed(where, line)
     placed = place_stops(where, line, stops, loop=loop)
@@ -143,6 +147,17 @@ def _leg_speeds(where: str, legs: int, speeds_mps: Sequence[float] | None) -> Fl
             "give every leg a speed above 0 in m/s",
         )
     return speeds
+
+
+def _check_legs(where: str, line: Line) -> None:
+    leg = int(line.legs_m.argmax())
+    if line.legs_m[leg] > LEG_MAX_M:
+        ends = " to ".join(f"{line.lats_deg[at]:g}, {line.lons_deg[at]:g}" for at in (leg, leg + 1))
+        raise InputError(
+            where,
+            f"a leg of {line.legs_m[leg] / 1000.0:,.0f} km (latitude, longitude {ends})",
+            "correct that point, or exchange its latitude and longitude",
+        )
 
 
 def _check_closed(where: str, line: Line) -> None:

@@ -57,6 +57,8 @@ class TextFile:
 
 def read_text(path: Path) -> str:
     """A whole file as text. Raises InputError where it is missing, unreadable or broken."""
+    if not path.exists():
+        raise InputError(str(path), "no such file", "check the path")
     file = TextFile(path)
     with file.text() as content:
         text = content.read()
