@@ -6,7 +6,7 @@ from typing import NamedTuple
 from wayline.drive import VEHICLE_ID_PATTERN
 from wayline.messages import TOPICS
 
-ROOT = "wayline/@v1"
+ROOT = "wayline/v1"
 FLEET = "_fleet"
 """Stands for the vehicle in keys of a service that serves many."""
 
