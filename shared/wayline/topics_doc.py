@@ -18,7 +18,7 @@ HEAD = """# Topics of the bus
 
 Generated from `shared/wayline/messages.py` by `python -m wayline.topics_doc`; do not edit.
 
-Key: `wayline/@v1/<vehicle_id>/<topic>/<source>`. Payload: JSON of one message. A field that may be
+Key: `wayline/v1/<vehicle_id>/<topic>/<source>`. Payload: JSON of one message. A field that may be
 null is unknown when null. Units are in the names.
 """
 

@@ -217,7 +217,7 @@ def take(sample):
         threading.Event().wait()
 
 with open_session(BusSettings(connect=(sys.argv[1],))) as session:
-    subscriber = session.declare_subscriber("wayline/@v1/**", take)
+    subscriber = session.declare_subscriber("wayline/v1/**", take)
     print("subscribed", flush=True)
     threading.Event().wait()
 """
@@ -248,7 +248,7 @@ class Sensors:
 
     def fill(self) -> None:
         """Send more than a reader that stalls can be sent."""
-        filler = self._session.declare_publisher("wayline/@v1/filler/gps_sky/filler")
+        filler = self._session.declare_publisher("wayline/v1/filler/gps_sky/filler")
         pace = threading.Event()
         for _ in range(FILLERS):
             filler.put(FILLER)

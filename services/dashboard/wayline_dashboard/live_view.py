@@ -7,7 +7,8 @@ from collections.abc import Callable
 import msgspec
 
 from wayline.rfc3339 import rfc3339
-from wayline_dashboard.core import ServiceEvent
+from wayline.view import Receipt
+from wayline_dashboard.core import DashboardCore, ServiceEvent
 from wayline_dashboard.fleet import Cursor, Fleet
 from wayline_dashboard.view import FleetView
 
@@ -29,8 +30,16 @@ class LiveView:
         """How many messages and events have come in."""
         return self._inputs
 
-    def put(self, vehicle_id: str, message: msgspec.Struct, source: str) -> None:
+    reads = DashboardCore.reads
+
+    def forget(self, vehicle_id: str) -> None:
+        """Drop what is known of a vehicle."""
+
+    def put(
+        self, vehicle_id: str, message: msgspec.Struct, source: str, receipt: Receipt | None = None
+    ) -> None:
         """Take a bus message of a vehicle (or of `_fleet`)."""
+        del receipt
         with self._lock:
             self._inputs += 1
             self._fleet.handle(vehicle_id, message, source, self._clock_ns())

@@ -52,7 +52,7 @@ def test_a_payload_out_of_bounds_is_refused(topic: str, payload: bytes) -> None:
 
 def test_keys_are_read_back() -> None:
     key = message_key("bus-7", "pose", "fusion")
-    assert key == "wayline/@v1/bus-7/pose/fusion"
+    assert key == "wayline/v1/bus-7/pose/fusion"
     assert parse_key(key) == Key("bus-7", "pose", "fusion")
 
 
@@ -60,9 +60,9 @@ def test_keys_are_read_back() -> None:
     "key",
     [
         "wayline/@v2/bus-7/pose/fusion",
-        "wayline/@v1/Bus/pose/fusion",
-        "wayline/@v1/bus-7/unknown/fusion",
-        "wayline/@v1/bus-7/pose",
+        "wayline/v1/Bus/pose/fusion",
+        "wayline/v1/bus-7/unknown/fusion",
+        "wayline/v1/bus-7/pose",
         alive_key("bus-7", "fusion"),
     ],
 )
