@@ -173,11 +173,12 @@ def record_command(
     file: Annotated[Path, typer.Argument(help="MCAP file to write.")],
     config: OptionalConfig = None,
     seconds: Annotated[float | None, typer.Option(help="Stop after so many seconds.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
     """Record every message of the bus to an MCAP file, until told to stop."""
     from wayline_cli.record import record
 
-    recorded = record(file, _bus(config), seconds=seconds, say=_say)
+    recorded = record(file, _bus(config), seconds=seconds, force=force, say=_say)
     for topic, count in recorded.counts.items():
         typer.echo(f"{topic:14} {count:>10,}")
     lost = recorded.dropped + recorded.missed + recorded.refused
