@@ -117,7 +117,8 @@ def make_route(
         )
     lats_deg, lons_deg = np.array(vertices, dtype=np.float64).T
     speeds = _leg_speeds(where, len(vertices) - 1, speeds_mps)
-    moves = (np.diff(lats_deg) != 0.0) | (np.diff(lons_deg) != 0.0)
+    # degrees may differ where places do not: at a pole, at both ends of the longitudes
+    moves = Line(lats_deg, lons_deg).legs_m > 0.0
     if not moves.any():
         raise InputError(where, "all points of the line are one", "a route needs two or more")
     kept = np.concatenate(([True], moves))

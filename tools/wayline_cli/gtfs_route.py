@@ -3,6 +3,7 @@
 import csv
 import io
 import re
+import struct
 import zipfile
 import zlib
 from collections.abc import Iterator, Sequence
@@ -22,6 +23,17 @@ Row = dict[str, str]
 
 SLOWEST_MPS, FASTEST_MPS = 1.0, 40.0
 """Timetables are written in whole minutes: what they imply is kept within this."""
+ZIP_DAMAGE = (
+    OSError, EOFError, ValueError, RuntimeError, struct.error, zlib.error, zipfile.BadZipFile,
+)  # fmt: skip
+"""What zipfile raises for files that are damaged, encrypted or newer than it."""
+REQUIRED = {
+    "trips": ("trip_id", "route_id"),
+    "stops": ("stop_id", "stop_lat", "stop_lon"),
+    "stop_times": ("trip_id", "stop_id", "stop_sequence"),
+    "shapes": ("shape_id", "shape_pt_lat", "shape_pt_lon", "shape_pt_sequence"),
+}
+"""Columns without which a table is of no use."""
 TIME_PATTERN = re.compile(r"(\d{1,3}):(\d\d):(\d\d)")
 
 
@@ -37,11 +49,17 @@ class Feed:
 
     def rows(self, table: str, **wanted: str) -> Iterator[Row]:
         """The rows of a table whose columns have the wanted values; none of a missing table."""
-        text = io.StringIO(self._text(f"{table}.txt"))
-        header = [name.strip() for name in next(csv.reader(text, skipinitialspace=True), [])]
-        for row in csv.DictReader(text, header, restval="", skipinitialspace=True):
-            if all(row.get(column) == value for column, value in wanted.items()):
-                yield row
+        where, text = f"{self.path} {table}.txt", io.StringIO(self._text(f"{table}.txt"))
+        try:
+            header = [name.strip() for name in next(csv.reader(text, skipinitialspace=True), [])]
+            missing = [column for column in REQUIRED[table] if column not in header]
+            if header and missing:
+                raise InputError(where, f"has no column {missing[0]}", "correct the feed")
+            for row in csv.DictReader(text, header, restval="", skipinitialspace=True):
+                if all(row.get(column) == value for column, value in wanted.items()):
+                    yield row
+        except csv.Error as error:
+            raise InputError(where, f"is not CSV ({error})", "correct the feed") from None
 
     def row(self, table: str, **wanted: str) -> Row:
         """The one row with the wanted values, or InputError."""
@@ -66,7 +84,7 @@ class Feed:
                 return decoded(file.read_bytes()) if file.exists() else ""
             with zipfile.ZipFile(self.path) as archive:
                 return decoded(archive.read(member)) if (member := _member(archive, name)) else ""
-        except (OSError, EOFError, RuntimeError, zlib.error, zipfile.BadZipFile) as error:
+        except ZIP_DAMAGE as error:
             raise InputError(
                 f"{self.path} {name}", f"cannot be read ({error})", "check the feed"
             ) from None

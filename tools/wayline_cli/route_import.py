@@ -8,7 +8,7 @@ from typing import NamedTuple
 from wayline.errors import InputError
 from wayline.log_file import decoded, head_of
 from wayline.route import Route, make_route
-from wayline_cli.gtfs_route import only_trip, route_from_gtfs
+from wayline_cli.gtfs_route import ZIP_DAMAGE, only_trip, route_from_gtfs
 from wayline_cli.imported_line import ImportedLine, only_line
 from wayline_cli.route_csv import lines_of_csv
 from wayline_cli.route_geojson import lines_of_geojson
@@ -94,6 +94,11 @@ def _check_other(source: Path, begins: str) -> None:
 
 
 def _check_zip(source: Path) -> None:
-    if zipfile.is_zipfile(source):
+    if source.is_dir():
+        return
+    try:
         with zipfile.ZipFile(source) as archive:
-            _check_other(source, "\n".join(archive.namelist()))
+            names = archive.namelist()
+    except ZIP_DAMAGE as error:
+        raise InputError(str(source), f"is a broken zip file ({error})", "copy it anew") from None
+    _check_other(source, "\n".join(names))

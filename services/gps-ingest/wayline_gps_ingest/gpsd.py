@@ -85,7 +85,7 @@ class GpsdCore:
             return []
         try:
             report = read_report(message.text)
-        except msgspec.DecodeError:
+        except (msgspec.DecodeError, RecursionError):
             self._faults["report"] += 1
             return []
         return self._take(report) if report else []
