@@ -11,6 +11,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from browser.shuttle import SECOND_NS, Shuttle
 from wayline.http_server import HttpServer
 from wayline.http_settings import HttpSettings
+from wayline.view import Receipt
 from wayline_dashboard.app import create_dashboard
 from wayline_dashboard.live_view import LiveView
 from wayline_dashboard.page import NOT_BUILT, STATIC
@@ -86,7 +87,8 @@ class Stage:
         """Put the steps from `first` up to `last` on the bus."""
         for step in range(first, last):
             for message, source in self.shuttle.messages(step):
-                self.live.put("shuttle-1", message, source)
+                age_ns = max(time.time_ns() - message.t_ns, 0)
+                self.live.put("shuttle-1", message, source, Receipt(time.monotonic_ns(), age_ns))
 
     def catch_up(self, step: int) -> None:
         """Put a step on the bus as if it were now; loading a page takes a while."""
