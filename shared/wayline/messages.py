@@ -236,6 +236,8 @@ class Arrivals(Message, frozen=True, kw_only=True):
 
     route_id: str
     stale: bool
+    position_ns: TimeNs | None = None
+    """Instant of the position that this rests on."""
     stops: tuple[StopArrival, ...] = ()
 
 
@@ -257,7 +259,10 @@ class Horizon(Message, frozen=True, kw_only=True):
     rate_hz: ClassVar[float] = 1.0
 
     road_id: str | None = None
+    direction: Literal[1, -1] | None = None
+    """Of travel: 1 along the road's stored line, -1 against it."""
     position_m: float | None = None
+    """Along the road's line from its start."""
     points: tuple[HorizonPoint, ...] = ()
 
 
@@ -278,6 +283,8 @@ class Health(Message, frozen=True, kw_only=True):
     lag_ms_p50: float | None = None
     lag_ms_p99: float | None = None
     detail: str | None = None
+    recorded: bool = False
+    """What this source publishes is a recording that is played, so its times may be old."""
 
 
 MESSAGES: tuple[type[Message], ...] = (

@@ -77,6 +77,8 @@ class Settings(Strict, frozen=True, kw_only=True):
     """The vehicle that this machine rides on."""
     vehicles: tuple[Served, ...] = ()
     """On a server: the vehicles served; `["*"]` is every vehicle heard."""
+    forget_vehicle_after_s: Annotated[float, Meta(gt=0.0)] = 3600.0
+    """Of every vehicle: one that is silent this long is dropped until it is heard again."""
     services: tuple[ServiceName, ...] = ()
     """What `wayline up` runs."""
     router: bool = False

@@ -15,10 +15,11 @@ from wayline.bus import open_session
 from wayline.drive import load_drive
 from wayline.errors import InputError
 from wayline.http import Healthz, create_app
+from wayline.loop import run
 from wayline.play_clock import PlayClock, agree
 from wayline.playback import Playback, PlayOptions
 from wayline.route import Route, load_route
-from wayline.service import Service, run
+from wayline.service import Service
 from wayline.settings import Settings, load_settings, overridden
 from wayline.telemetry import Telemetry
 

@@ -6,13 +6,21 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from wayline.bus import RECOVERY_PERIOD, Publishers
+from wayline import __version__
+from wayline.bus import QOS, Publishers
+from wayline.codec import encode
 from wayline.errors import InputError
 from wayline.keys import parse_key
 from wayline.mcap_log import is_finished, read_records
+from wayline.messages import Health
 from wayline.settings import BusSettings
 from wayline.stop import Stop, stop_on_signals
 from wayline_cli.session import open_or_stop
+
+NAME = "play"
+HEALTH_S = 1.0
+ASK_S = 1.0
+"""Time for a reader to ask for what it lost, and to get it."""
 
 Put = Callable[[str, str, str, bytes], None]
 """Takes vehicle id, topic, source and payload, as `Publishers.put` does."""
@@ -50,11 +58,43 @@ def play(
         with session:
             say(f"playing {path}")
             publishers = Publishers(session)
-            count, seconds = play_records(read_records(path), publishers.put, stop, speed=speed)
+            player = Player(publishers.put)
+            count, seconds = play_records(read_records(path), player.put, stop, speed=speed)
             # readers that lost the last samples ask for them at the next heartbeats
-            stop.wait(2.0 * RECOVERY_PERIOD.total_seconds())
+            stop.wait(player.heartbeat_s + ASK_S)
             publishers.close()
             return Played(count, seconds, complete)
+
+
+class Player:
+    """Puts what was recorded, and says of each vehicle that it is a recording.
+
+    So readers do not take its times for old.
+    """
+
+    def __init__(self, put: Put) -> None:
+        self._put = put
+        self._started_ns = time.time_ns()
+        self._told_s: dict[str, float] = {}
+        self.heartbeat_s = 0.0
+        """The longest between heartbeats of what was put."""
+
+    def put(self, vehicle_id: str, topic: str, source: str, payload: bytes) -> None:
+        """Put a message of a vehicle."""
+        if time.monotonic() - self._told_s.get(vehicle_id, -math.inf) >= HEALTH_S:
+            self._told_s[vehicle_id] = time.monotonic()
+            self._put(vehicle_id, Health.topic, NAME, encode(self._health()))
+        self._put(vehicle_id, topic, source, payload)
+        self.heartbeat_s = max(self.heartbeat_s, QOS[topic].heartbeat_s)
+
+    def _health(self) -> Health:
+        return Health(
+            t_ns=time.time_ns(),
+            service=NAME,
+            version=__version__,
+            started_ns=self._started_ns,
+            recorded=True,
+        )
 
 
 def play_records(

@@ -36,7 +36,13 @@ def build(settings: Settings, options: Namespace) -> Service:
         where = str(options.drive)
         played = playback(NAME, settings, options, lambda: recordings(drive, where))
         app = plain_app(NAME, settings)
-        return Service(NAME, feeds=[played], make_app=app, bad_input=lambda: played.bad_input)
+        return Service(
+            NAME,
+            feeds=[played],
+            make_app=app,
+            bad_input=lambda: played.bad_input,
+            is_recorded=True,
+        )
     return live(settings)
 
 

@@ -3,10 +3,13 @@
 import threading
 import time
 from collections.abc import Callable, Mapping
+from typing import ClassVar
 
 import msgspec
 
+from wayline.messages import GpsFix, Message
 from wayline.settings import LiveNmea
+from wayline.view import Receipt
 from wayline_gps_ingest.condition import Condition
 from wayline_gps_ingest.links import Link, address_of
 
@@ -97,3 +100,21 @@ class Receiver:
                 put(self._address.line(arrival_ns, line))
         self._error = "silent"
         return last_s > opened_s
+
+
+class FixNotes:
+    """A view of what is published: tells each receiver of the fixes made of its sentences."""
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset()
+
+    def __init__(self, receivers: Mapping[str, Receiver]) -> None:
+        self._receivers = receivers
+
+    def put(self, vehicle_id: str, message: Message, source: str, receipt: Receipt) -> None:
+        """Take a published message; valid fixes count."""
+        del vehicle_id, receipt
+        if isinstance(message, GpsFix) and message.valid:
+            self._receivers[source].fixed()
+
+    def forget(self, vehicle_id: str) -> None:
+        """Nothing is kept of a vehicle."""

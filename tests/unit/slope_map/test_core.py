@@ -15,6 +15,7 @@ from unit.slope_map.hilly_road import (
     true_alt_m,
     true_grade_pct,
 )
+from wayline.core import Sleep
 from wayline.inputs import Flush, Tick
 from wayline.line import Line
 from wayline.messages import Horizon, Pose
@@ -211,13 +212,61 @@ def test_a_learned_road_is_on_the_horizon_from_then_on(first_run: FinishedRun) -
     assert horizons(learning, later)[-1].road_id == first_run.road.road_id
 
 
-def test_without_a_fresh_pose_there_is_no_road_ahead(first_run: FinishedRun) -> None:
+def test_without_a_fresh_pose_the_horizon_ends_with_an_empty_one(first_run: FinishedRun) -> None:
     knowing = core(profiles=[profile_of(first_run)])
     for message in drive(seed=9, length_m=500.0)[:-1]:
         knowing.handle(message, "test")
-    (late,) = knowing.handle(Tick(START_NS + 60 * SECOND_NS), "test")
+    late, asleep = knowing.handle(Tick(START_NS + 60 * SECOND_NS), "test")
     assert isinstance(late, Horizon)
-    assert (late.road_id, late.points) == (None, ())
+    assert (late.road_id, late.points, asleep) == (None, (), Sleep())
+    assert knowing.handle(Tick(START_NS + 61 * SECOND_NS), "test") == [Sleep()]
+
+
+def test_a_pose_that_was_old_when_it_came_has_no_road_ahead(first_run: FinishedRun) -> None:
+    knowing = core(profiles=[profile_of(first_run)])
+    messages = drive(seed=9, length_m=500.0)
+    last = max((each for each in messages if isinstance(each, Pose)), key=lambda pose: pose.t_ns)
+    for message in messages[:-1]:
+        knowing.handle(message, "test")
+    tick_ns = -(-last.t_ns // SECOND_NS) * SECOND_NS
+    (fresh,) = knowing.handle(Tick(tick_ns), "test")
+    assert isinstance(fresh, Horizon)
+    assert fresh.road_id is not None
+    ended, _ = knowing.handle(Tick(tick_ns, age_ns=3600 * SECOND_NS), "test")
+    assert isinstance(ended, Horizon)
+    assert ended.road_id is None
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_horizon_tells_the_way_of_travel(first_run: FinishedRun, backwards: bool) -> None:
+    knowing = core(profiles=[profile_of(first_run)])
+    seen = horizons(knowing, drive(seed=9, length_m=2000.0, backwards=backwards))
+    assert {at.direction for at in seen if at.road_id} == {-1 if backwards else 1}
+
+
+def test_on_a_loop_a_vehicle_that_cannot_be_placed_is_carried_on_past_the_seam() -> None:
+    first = runs_of(
+        core(), drive(seed=6, length_m=1.5 * RING_M, path=ring(RING_M), grade_of=lambda d: d)
+    )[0]
+    knowing = core(profiles=[profile_of(first)])
+    length_m = first.road.line.length_m
+    lat_deg, lon_deg, heading_deg = first.road.line.point_at(length_m - 20.0)
+    placed = Pose(
+        t_ns=START_NS,
+        mode="fused",
+        lat_deg=lat_deg,
+        lon_deg=lon_deg,
+        heading_deg=heading_deg,
+        speed_mps=10.0,
+    )
+    knowing.handle(placed, "fusion")
+    unsure = msgspec.structs.replace(
+        placed, t_ns=START_NS + SECOND_NS, distance_m=60.0, east_std_m=99.0
+    )
+    knowing.handle(unsure, "fusion")
+    (ahead,) = knowing.handle(Tick(START_NS + SECOND_NS), "clock")
+    assert isinstance(ahead, Horizon)
+    assert ahead.position_m == pytest.approx(40.0, abs=1.0)
 
 
 def test_a_silence_or_a_restart_of_fusion_ends_a_run() -> None:
