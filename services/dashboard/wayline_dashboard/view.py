@@ -124,6 +124,8 @@ class ServiceView(msgspec.Struct, frozen=True, kw_only=True):
     lag_ms_p50: float | None = None
     lag_ms_p99: float | None = None
     detail: str | None = None
+    recorded: bool = False
+    """What it puts on the bus is of a recording, so its times may be old."""
 
 
 class VehicleView(msgspec.Struct, kw_only=True, omit_defaults=True):

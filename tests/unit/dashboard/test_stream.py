@@ -128,9 +128,9 @@ async def select_in_turn() -> list[dict[str, Any]]:
         live.put(vehicle_id, horizon(float(number)), "slope-map", Receipt(0))
     served = asyncio.create_task(stream(line.websocket(), live))
     await until(line, 1)
-    for count, vehicle_id in enumerate(("alpha", "beta", None), start=2):
-        line.select(vehicle_id)
-        await until(line, count)
+    for selected in ("alpha", "beta", None):
+        line.select(selected)
+        await until(line, len(line.taken) + 1)
     line.leave()
     assert await asyncio.wait_for(served, 1.0) is None
     return line.taken
