@@ -189,6 +189,16 @@ def test_a_vehicle_that_went_and_came_between_two_looks_is_both() -> None:
     assert (view.gone, [each.vehicle_id for each in view.vehicles]) == (("alpha",), ["alpha"])
 
 
+def test_a_vehicle_that_goes_again_is_gone_again() -> None:
+    told = Told(alpha=pose(0), beta=pose(0))
+    told.fleet.forget("alpha")
+    told.fleet.forget("beta")
+    told.hear(alpha=pose(1))
+    told.read()
+    told.fleet.forget("alpha")
+    assert told.news().gone == ("alpha",)
+
+
 def test_a_reader_that_comes_later_hears_nothing_of_the_gone() -> None:
     told = Told(alpha=pose(0))
     told.fleet.forget("alpha")

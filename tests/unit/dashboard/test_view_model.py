@@ -223,6 +223,12 @@ def test_a_service_that_lost_its_token_is_down_with_its_last_health() -> None:
     assert (service.service, service.up, service.version) == ("eta", False, "0.1.0")
 
 
+def test_a_service_says_that_it_plays_a_recording() -> None:
+    played = Health(t_ns=0, service="play", version="1", started_ns=0, recorded=True)
+    told = Told(Health(t_ns=0, service="fusion", version="1", started_ns=0), played)
+    assert [service.recorded for service in told.model.services()] == [False, True]
+
+
 def test_a_pose_is_heard_as_long_ago_as_it_is_old() -> None:
     model = VehicleViewModel("shuttle")
     # two seconds old when it came at 5 s of the monotonic clock; asked at 6 s

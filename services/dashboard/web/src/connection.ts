@@ -82,7 +82,11 @@ export class Connection {
     address.protocol = address.protocol.replace("http", "ws");
     const socket = new WebSocket(address, protocols(savedToken()));
     this.socket = socket;
-    socket.onopen = () => this.tellSelected();
+    socket.onopen = () => {
+      if (this.selected !== null) {
+        this.tellSelected();
+      }
+    };
     socket.onmessage = (event: MessageEvent<string>) => {
       this.failures = 0;
       this.watch();

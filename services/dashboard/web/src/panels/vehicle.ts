@@ -21,6 +21,8 @@ import {
   speedKmh,
 } from "../words";
 
+const PRESENT_MS = 60_000;
+
 export function vehiclePanel(vehicle: Vehicle, now: Now): TemplateResult {
   const { pose } = vehicle;
   return html`
@@ -57,9 +59,14 @@ function age(vehicle: Vehicle, now: Now): TemplateResult {
   const text = isStale(vehicle, now)
     ? html`<strong class="silent">silent for ${duration(seconds)}</strong>`
     : html`updated ${duration(seconds)} ago`;
-  return isRecording(vehicle)
-    ? html`${text} · recording of ${dateAndTime(vehicleNowMs(vehicle, now))}`
-    : text;
+  return isRecording(vehicle) ? html`${text} · ${recording(vehicle, now)}` : text;
+}
+
+/** With its own time where that is not the present: the demo's recordings are played as of now. */
+function recording(vehicle: Vehicle, now: Now): string {
+  const vehicleNow = vehicleNowMs(vehicle, now);
+  const isPresent = Math.abs(now.serverMs - vehicleNow) < PRESENT_MS;
+  return isPresent ? "recording" : `recording of ${dateAndTime(vehicleNow)}`;
 }
 
 function reading(name: string, value: string, unit: string): TemplateResult {
