@@ -100,11 +100,11 @@ class Stage:
         self.settings = HttpSettings(port=0)
         self.server = self._make()
 
-    def drive(self, first: int, last: int) -> None:
-        """Put the steps from `first` up to `last` on the bus."""
+    def drive(self, first: int, last: int, vehicle_id: str = "shuttle-1") -> None:
+        """Put a vehicle's steps from `first` up to `last` on the bus."""
         for step in range(first, last):
             for message, source in self.shuttle.messages(step):
-                self.put("shuttle-1", message, source)
+                self.put(vehicle_id, message, source)
 
     def put(
         self, vehicle_id: str, message: Message, source: str, *, recorded: bool = False

@@ -151,8 +151,7 @@ def test_services_go_down_and_come_up(stage: Stage, watched: Watched) -> None:
 def test_of_several_vehicles_one_is_chosen_and_stays_in_the_address(
     stage: Stage, watched: Watched
 ) -> None:
-    for message, source in stage.shuttle.messages(300):
-        stage.put("shuttle-2", message, source)
+    stage.drive(300, 301, "shuttle-2")
     page = open_page(stage, watched)
     expect(page.locator("#vehicle-title")).to_have_text("shuttle-1")
     page.get_by_role("button", name="shuttle-2").click()
@@ -164,8 +163,7 @@ def test_of_several_vehicles_one_is_chosen_and_stays_in_the_address(
 def test_the_slope_ahead_is_told_of_the_selected_vehicle_only(
     stage: Stage, watched: Watched
 ) -> None:
-    for message, source in stage.shuttle.messages(300):
-        stage.put("shuttle-2", message, source)
+    stage.drive(300, 301, "shuttle-2")
     flat = HorizonPoint(distance_m=500.0, grade_pct=0.0, grade_std_pct=0.1, runs=1)
     points = (msgspec.structs.replace(flat, distance_m=0.0), flat)
     stage.put("shuttle-2", Horizon(t_ns=time.time_ns(), points=points), "slope-map")
@@ -185,8 +183,7 @@ def test_the_slope_ahead_is_told_of_the_selected_vehicle_only(
 def test_a_forgotten_vehicle_leaves_list_map_and_panel_until_it_is_heard_again(
     stage: Stage, watched: Watched
 ) -> None:
-    for message, source in stage.shuttle.messages(300):
-        stage.put("shuttle-2", message, source)
+    stage.drive(300, 301, "shuttle-2")
     page = open_page(stage, watched)
     page.get_by_role("button", name="shuttle-2").click()
     expect(page.locator("#vehicle-title")).to_have_text("shuttle-2")
@@ -201,8 +198,7 @@ def test_a_forgotten_vehicle_leaves_list_map_and_panel_until_it_is_heard_again(
     expect(page.locator("#vehicles")).to_have_count(0)
     expect(page.locator("#arrivals li")).to_have_count(5)
     page.wait_for_function(f"{drawn} 'shuttle-1'")
-    for message, source in stage.shuttle.messages(310):
-        stage.put("shuttle-2", message, source)
+    stage.drive(310, 311, "shuttle-2")
     expect(page.locator("#vehicle-title")).to_have_text("shuttle-2")
     expect(page.locator("#arrivals li")).to_have_count(5)
     page.wait_for_function(f"{drawn} 'shuttle-1,shuttle-2'")

@@ -14,7 +14,7 @@ from wayline_dashboard.view_model import SHOWN, UNTOLD, VehicleViewModel
 LISTED: frozenset[type[Message]] = frozenset({Pose})
 """What a page shows of every vehicle, in its list and on its map."""
 BRIEF = SHOWN - {Horizon}
-"""What a snapshot without a reader's own choice tells of a vehicle: a horizon is the most of it."""
+"""What a snapshot tells of a vehicle that is not selected: most of a whole view is its horizon."""
 GONE_MAX = 1000
 """Vehicles remembered as gone; a reader that missed more gets a snapshot."""
 
@@ -80,7 +80,7 @@ class Fleet:
         return vehicle_id in self._models
 
     def snapshot(self, selected: str | None, now: Instant) -> FleetView:
-        """All vehicles by id: the selected one whole, the others but for horizon and trail."""
+        """All vehicles by id: the selected one whole, of the others what is `BRIEF`."""
         return FleetView(
             kind="snapshot",
             now=now.text,
