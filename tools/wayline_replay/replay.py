@@ -1,4 +1,4 @@
-"""Runs a drive through all six cores in one process, as fast as it can, without a bus."""
+"""Runs a drive through all cores in one process, as fast as it can, without a bus."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -14,7 +14,6 @@ from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
 from wayline.route import Route, load_route
 from wayline.tuning import ArchitectureName
-from wayline_dashboard.core import DashboardCore
 from wayline_eta.core import make_eta_core
 from wayline_fusion.core import FusionCore
 from wayline_fusion.store import FusionStore
@@ -105,7 +104,6 @@ def build_nodes(drive: Drive, route: Route | None, database_url: str | None) -> 
         fusion_node(drive, database_url),
         Node("eta", make_eta_core([route] if route else [], tuning)),
         Node("slope-map", slope_map, store),
-        Node("dashboard", DashboardCore(vehicle_id)),
     ]
 
 
