@@ -11,12 +11,11 @@ from wayline.csv_file import CsvFile, Row, number_of
 from wayline.drive import AvlSource
 from wayline.errors import InputError
 from wayline.inputs import PositionReport
+from wayline.messages import EARLIEST_NS, LATEST_NS
 
 MILLISECONDS_FROM = 1e11
 """Plain numbers from here on are Unix time in milliseconds, below in seconds."""
 DAY_FIRST = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})(?!\d)")
-LATEST_NS = 4_102_444_800 * 1_000_000_000
-"""The year 2100; later times are none."""
 
 
 def read_reports(source: AvlSource) -> Iterator[PositionReport | None]:
@@ -138,7 +137,7 @@ def _iso(text: str) -> str:
 
 
 def _plausible(t_ns: int) -> int | None:
-    return t_ns if 0 <= t_ns < LATEST_NS else None
+    return t_ns if EARLIEST_NS <= t_ns <= LATEST_NS else None
 
 
 def _unix_ns(instant: dt.datetime) -> int:

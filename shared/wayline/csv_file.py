@@ -75,7 +75,7 @@ def _rows(text: TextIOWrapper) -> Iterator[Row]:
     if header.lower().startswith(SEPARATOR_LINE):
         delimiter = header[len(SEPARATOR_LINE) :][:1]
         header, skipped = next(lines, ""), skipped + 1
-    if delimiter not in DELIMITERS:
+    if len(delimiter) != 1 or delimiter not in DELIMITERS:
         raise csv.Error(f"columns are separated by {delimiter!r}")
     reader = csv.reader(_with_first(header, lines), delimiter=delimiter)
     for cells in reader:

@@ -7,7 +7,7 @@ from typing import ClassVar
 import msgspec
 
 from wayline.inputs import Flush, PositionReport, Sentence, Tick
-from wayline.messages import GpsFix, Message
+from wayline.messages import LATEST_NS, GpsFix, Message
 from wayline_gps_ingest.cycle import EpochAssembler
 from wayline_gps_ingest.decode import decode
 from wayline_gps_ingest.displacement import Displacement
@@ -161,6 +161,12 @@ class GpsIngestCore:
         return messages
 
     def _steady_ns(self, fix: GpsFix, raw_ns: int) -> int | None:
+        """When a fix is said to be of; None where it is not told."""
+        t_ns = self._clock_ns(fix, raw_ns)
+        # a clock that stepped back from the last instant of all goes on beyond it
+        return None if t_ns is None or t_ns > LATEST_NS else t_ns
+
+    def _clock_ns(self, fix: GpsFix, raw_ns: int) -> int | None:
         if fix.repeat:
             return self._clock.repeat_ns(raw_ns)
         if raw_ns < 0 or self._latecomers.is_late(raw_ns):

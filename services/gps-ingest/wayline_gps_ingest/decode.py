@@ -9,12 +9,11 @@ from typing import Literal, TypedDict
 
 import msgspec
 
-from wayline.messages import FixKind
+from wayline.messages import SPEED_MAX_MPS, STD_MAX, FixKind
 from wayline_gps_ingest.fields import (
     M_PER_FOOT,
     MPS_PER_KMPH,
     MPS_PER_KNOT,
-    SPEED_MAX_MPS,
     BadFieldError,
     bearing_deg,
     count,
@@ -199,9 +198,9 @@ def _gsv(parsed: Parsed, fields: list[str]) -> Observation:
 def _gst(parsed: Parsed, fields: list[str]) -> Observation:
     facts = Facts()
     lat_m, lon_m, alt_m = (positive(text) for text in fields[5:8])
-    if lat_m is not None and lon_m is not None:
+    if lat_m is not None and lon_m is not None and max(lat_m, lon_m) <= STD_MAX:
         facts["h_std_m"] = ((lat_m**2 + lon_m**2) / 2.0) ** 0.5
-    if alt_m is not None:
+    if alt_m is not None and alt_m <= STD_MAX:
         facts["v_std_m"] = alt_m
     return _timed(parsed, fields[0], facts)
 

@@ -12,8 +12,6 @@ MPS_PER_KNOT = 1852.0 / 3600.0
 MPS_PER_KMPH = 1.0 / 3.6
 M_PER_FOOT = 0.3048
 DILUTION_UNKNOWN = 99.0
-SPEED_MAX_MPS = 200.0
-"""No vehicle is faster, so nothing above tells of one."""
 NUMBER_MAX = 1e9
 """No quantity of any sentence comes near it; squares of it are still numbers."""
 

@@ -11,8 +11,15 @@ from typing import ClassVar
 import msgspec
 
 from wayline.inputs import Flush
-from wayline.messages import GpsFix, GpsSky, Message
-from wayline_gps_ingest.fields import SECOND_NS, SPEED_MAX_MPS
+from wayline.messages import (
+    EARLIEST_NS,
+    LATEST_NS,
+    SPEED_MAX_MPS,
+    GpsFix,
+    GpsSky,
+    Message,
+)
+from wayline_gps_ingest.fields import SECOND_NS
 from wayline_gps_ingest.gpsd_reports import (
     KINDS,
     Gst,
@@ -21,18 +28,13 @@ from wayline_gps_ingest.gpsd_reports import (
     horizontal_std_m,
     read_report,
     time_ns,
+    vertical_std_m,
 )
 from wayline_gps_ingest.gpsd_sky import HELD_NS, GpsdSky
 from wayline_gps_ingest.steady_clock import SteadyClock
 
 GONE_NS = 2 * SECOND_NS
 """Another device of the same gpsd is followed when the one before was silent this long."""
-
-
-FIRST_NS = 315_532_800 * SECOND_NS
-"""1980, when GPS time starts."""
-END_NS = 4_102_444_800 * SECOND_NS
-"""The year 2100; no receiver means a time beyond."""
 
 
 class GpsdReport(msgspec.Struct, frozen=True):
@@ -107,7 +109,7 @@ class GpsdCore:
         if report.time is None:
             return []
         t_ns = time_ns(report.time)
-        if not FIRST_NS <= t_ns < END_NS:
+        if not EARLIEST_NS + self._latency_ns <= t_ns <= LATEST_NS:
             self._faults["report"] += 1
             return []
         if not self._is_followed(report.device, t_ns):
@@ -143,7 +145,7 @@ class GpsdCore:
         is_valid = report.mode >= 2 and _is_on_earth(report.lat, report.lon)
         clock = self._clock
         t_ns = clock.fixed_ns(raw_ns) if is_valid else clock.unfixed_ns(raw_ns)
-        if t_ns is None:
+        if t_ns is None or t_ns > LATEST_NS:
             return []
         fix = self._fix(report, t_ns) if is_valid else self._unfixed(t_ns)
         self._published_ns = t_ns
@@ -164,7 +166,7 @@ class GpsdCore:
             mode=3 if report.mode == 3 else 2,
             fix=KINDS.get(report.status, "gps"),
             h_std_m=horizontal_std_m(gst) if gst else None,
-            v_std_m=gst.alt if gst and gst.alt else None,
+            v_std_m=vertical_std_m(gst) if gst else None,
         )
 
     def _unfixed(self, t_ns: int) -> GpsFix:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import msgspec
 
-from wayline.messages import FixKind, Satellite
+from wayline.messages import STD_MAX, Count, FixKind, NonNegative, Satellite
 from wayline_gps_ingest.sky import system_of
 
 KINDS: dict[int, FixKind] = {
@@ -87,10 +87,10 @@ class Sky(msgspec.Struct, frozen=True, tag="SKY", tag_field="class"):
     device: str = ""
     time: Time | None = None
     seen: int | None = msgspec.field(name="nSat", default=None)
-    used: int | None = msgspec.field(name="uSat", default=None)
-    hdop: float | None = None
-    pdop: float | None = None
-    vdop: float | None = None
+    used: Count | None = msgspec.field(name="uSat", default=None)
+    hdop: NonNegative | None = None
+    pdop: NonNegative | None = None
+    vdop: NonNegative | None = None
     satellites: tuple[SkyView, ...] = ()
 
 
@@ -118,10 +118,16 @@ def time_ns(time: dt.datetime | float) -> int:
 
 
 def horizontal_std_m(gst: Gst) -> float | None:
-    """Of one axis, in the mean of both."""
-    if not gst.lat or not gst.lon:
+    """Of one axis, in the mean of both; None where they are no deviations."""
+    lat_m, lon_m = gst.lat or 0.0, gst.lon or 0.0
+    if not (0.0 < lat_m <= STD_MAX and 0.0 < lon_m <= STD_MAX):
         return None
-    return math.sqrt((gst.lat**2 + gst.lon**2) / 2.0)
+    return math.sqrt((lat_m**2 + lon_m**2) / 2.0)
+
+
+def vertical_std_m(gst: Gst) -> float | None:
+    """None where it is no deviation."""
+    return gst.alt if gst.alt is not None and 0.0 < gst.alt <= STD_MAX else None
 
 
 def satellite_of(view: SkyView) -> Satellite:
