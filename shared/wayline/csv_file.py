@@ -3,6 +3,7 @@
 import csv
 import math
 from collections.abc import Iterator
+from functools import partial
 from io import TextIOWrapper
 from pathlib import Path
 from typing import NamedTuple
@@ -64,7 +65,7 @@ def delimiter_of(header: str) -> str:
 
 
 def _rows(text: TextIOWrapper) -> Iterator[Row]:
-    lines = iter(lambda: text.readline(LINE_MAX), "")
+    lines = iter(partial(text.readline, LINE_MAX), "")
     skipped = 0
     header = next(lines, "")
     while header.startswith("#") or not header.strip():

@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 from wayline.errors import InputError
@@ -29,11 +30,11 @@ class TextFile:
         """The lines, each at most 64 KiB, as bytes; UTF-16 and UTF-32 become Latin-1."""
         if self._encoding.startswith(("utf-16", "utf-32")):
             with self.text() as text:
-                for line in iter(lambda: text.readline(LINE_MAX), ""):
+                for line in iter(partial(text.readline, LINE_MAX), ""):
                     yield line.encode("latin-1", "replace")
         else:
             with self._open() as file:
-                yield from iter(lambda: file.readline(LINE_MAX), b"")
+                yield from iter(partial(file.readline, LINE_MAX), b"")
 
     @contextmanager
     def text(self) -> Iterator[io.TextIOWrapper]:

@@ -108,7 +108,8 @@ class GpsIngestCore:
         except BadFieldError:
             self._faults["field"] += 1
             return []
-        self._day_known = self._day_known or "dated_ns" in observation.facts
+        if not self._day_known:
+            self._day_known = "dated_ns" in observation.facts
         complete = self._assembler.add(observation)
         self._arrival_ns = sentence.arrival_ns
         return self._publish(complete) if complete else []
@@ -150,7 +151,8 @@ class GpsIngestCore:
 
     def _at(self, epoch: Epoch, fix: GpsFix, raw_ns: int) -> list[Message]:
         t_ns = self._steady_ns(fix, raw_ns - self._latency_ns)
-        if t_ns is None:
+        if t_ns is None or t_ns > LATEST_NS:
+            # a clock that stepped back from the last instant of all goes on beyond it
             return []
         fix = msgspec.structs.replace(fix, t_ns=t_ns)
         messages: list[Message] = [self._displacement.filled(fix) if fix.valid else fix]
@@ -162,11 +164,6 @@ class GpsIngestCore:
 
     def _steady_ns(self, fix: GpsFix, raw_ns: int) -> int | None:
         """When a fix is said to be of; None where it is not told."""
-        t_ns = self._clock_ns(fix, raw_ns)
-        # a clock that stepped back from the last instant of all goes on beyond it
-        return None if t_ns is None or t_ns > LATEST_NS else t_ns
-
-    def _clock_ns(self, fix: GpsFix, raw_ns: int) -> int | None:
         if fix.repeat:
             return self._clock.repeat_ns(raw_ns)
         if raw_ns < 0 or self._latecomers.is_late(raw_ns):

@@ -71,15 +71,21 @@ class EpochAssembler:
 
     def add(self, observation: Observation) -> list[Epoch]:
         """Epochs that this sentence ends, in order."""
-        if observation.time_ns is not None:
-            observation = self._with_epoch_time(observation)
-        if self._is_to_wait(observation):
-            self._held.append(observation)
-            return []
         time_ns = observation.time_ns
         if time_ns is None and observation.kind in POSITION_KINDS:
             self._ahead = Epoch()
             return self.finish()
+        if not self._held and (time_ns is None or (self._first and time_ns == self._first.time_ns)):
+            return self._take(observation)
+        return self._add_of_another_time(observation)
+
+    def _add_of_another_time(self, observation: Observation) -> list[Epoch]:
+        """Epochs that a sentence ends which may not be of the current cycle, in order."""
+        observation = self._with_epoch_time(observation)
+        if self._is_to_wait(observation):
+            self._held.append(observation)
+            return []
+        time_ns = observation.time_ns
         if self._is_straggler(observation):
             self.late += 1
             return []
@@ -106,7 +112,7 @@ class EpochAssembler:
         time to the next epoch is over.
         """
         epoch, time_ns = self._first, observation.time_ns
-        if epoch is None or epoch.time_ns is None or time_ns is None or time_ns == epoch.time_ns:
+        if epoch is None or epoch.time_ns is None or time_ns is None:
             return observation
         after_ns = time_ns - epoch.time_ns
         if observation.kind in COMPANIONS:
@@ -152,9 +158,9 @@ class EpochAssembler:
     def _is_straggler(self, observation: Observation) -> bool:
         """Whether it is of an epoch that is complete and no more the current one."""
         time_ns, newest_ns = observation.time_ns, self._newest_ns
-        if time_ns is None or newest_ns is None or not self._is_next(time_ns):
+        if time_ns is None or newest_ns is None or time_ns > newest_ns:
             return False
-        if not 0 <= _back_ns(time_ns, newest_ns) <= LATE_MAX_NS:
+        if not self._is_next(time_ns) or not 0 <= _back_ns(time_ns, newest_ns) <= LATE_MAX_NS:
             return False
         told = next((told for told in self._told if _is_same(told.time_ns, time_ns)), None)
         return told is not None and observation.key not in told.keys
@@ -170,11 +176,12 @@ class EpochAssembler:
         current_ns = self._first.time_ns if self._first else None
         aside, aside_ns = self._aside, self._aside.time_ns if self._aside else None
         if aside is None or aside_ns is None:
+            if current_ns is not None and 0 < time_ns - current_ns <= LATE_MAX_NS:
+                self._period_ns = time_ns - current_ns
+                return self._end_cycle()
             if current_ns is not None and self._is_early(time_ns, current_ns):
                 self._set_aside()
                 return []
-            if current_ns is not None and 0 < -_back_ns(time_ns, current_ns) <= LATE_MAX_NS:
-                self._period_ns = -_back_ns(time_ns, current_ns)
             return self._end_cycle()
         complete = self._end_cycle()
         if _is_same(time_ns, aside_ns):
@@ -225,7 +232,11 @@ class EpochAssembler:
             return []
         time_ns, newest_ns = epoch.time_ns or 0, self._newest_ns
         self._told.append(Told(time_ns, epoch.timed_keys))
-        if newest_ns is None or not 0 <= _back_ns(time_ns, newest_ns) <= LATE_MAX_NS:
+        if (
+            newest_ns is None
+            or time_ns > newest_ns
+            or not 0 <= _back_ns(time_ns, newest_ns) <= LATE_MAX_NS
+        ):
             self._newest_ns = time_ns
         return [epoch]
 

@@ -58,6 +58,7 @@ NO_FIX = "N"
 QUALITIES = frozenset(("", *"0123456789"))
 STATUSES = frozenset(("", "A", "D", "V"))
 METRES = frozenset(("", "M", "m"))
+"""What these fields may hold; where one holds something else, fields before it are missing."""
 
 
 class Facts(TypedDict, total=False):
@@ -109,12 +110,13 @@ def decode(parsed: Parsed) -> Observation:
 
 
 def _gga(parsed: Parsed, fields: list[str]) -> Observation:
-    quality = QUALITY.get(_one_of(fields[5], QUALITIES))
+    if fields[5] not in QUALITIES or fields[9] not in METRES:
+        raise BadFieldError(f"{fields[5]} {fields[9]}")
+    quality = QUALITY.get(fields[5])
     facts = _position(fields[1:5], valid=quality is not None)
     facts["gga_valid"] = "lat_deg" in facts
     if quality:
         facts["quality"] = quality
-    _one_of(fields[9], METRES)
     _levels(facts, satellites=fields[6], hdop=fields[7], alt_m=fields[8], sep_m=fields[10])
     return _timed(parsed, fields[0], facts)
 
@@ -133,20 +135,23 @@ def _gns(parsed: Parsed, fields: list[str]) -> Observation:
 
 
 def _rmc(parsed: Parsed, fields: list[str]) -> Observation:
-    is_active = _one_of(fields[1], STATUSES) in ("A", "D")
+    is_active = fields[1] in ("A", "D")
+    if not is_active and fields[1] not in STATUSES:
+        raise BadFieldError(fields[1])
     facts = _position(fields[2:6], valid=is_active and fields[11] != NO_FIX)
     facts["rmc_valid"] = "lat_deg" in facts
     _motion(facts, not_negative(fields[6]), MPS_PER_KNOT, fields[7])
-    date = fields[8]
-    _dated(facts, fields[0], date_of(date[:2], date[2:4], date[4:]))
     if fields[11] in MODES:
         facts["mode_fix"] = MODES[fields[11]]
-    return _timed(parsed, fields[0], facts)
+    date = fields[8]
+    return _timed(parsed, fields[0], facts, date_of(date[:2], date[2:4], date[4:]))
 
 
 def _gll(parsed: Parsed, fields: list[str]) -> Observation:
     # before NMEA 0183 2.0 a position was sent without a status
-    is_active = _one_of(fields[5], STATUSES) == "A" or len(parsed.fields) < 6
+    if fields[5] not in STATUSES:
+        raise BadFieldError(fields[5])
+    is_active = fields[5] == "A" or len(parsed.fields) < 6
     facts = _position(fields[0:4], valid=is_active and fields[6] != NO_FIX)
     facts["gll_valid"] = "lat_deg" in facts
     if fields[6] in MODES:
@@ -206,9 +211,7 @@ def _gst(parsed: Parsed, fields: list[str]) -> Observation:
 
 
 def _zda(parsed: Parsed, fields: list[str]) -> Observation:
-    facts = Facts()
-    _dated(facts, fields[0], date_of(*fields[1:4]))
-    return _timed(parsed, fields[0], facts)
+    return _timed(parsed, fields[0], Facts(), date_of(*fields[1:4]))
 
 
 def _rmz(parsed: Parsed, fields: list[str]) -> Observation:
@@ -234,24 +237,14 @@ DECODERS: dict[str, Callable[[Parsed, list[str]], Observation]] = {
 }
 
 
-def _timed(parsed: Parsed, time: str, facts: Facts) -> Observation:
-    """What a sentence with a time of day says."""
-    key = f"{parsed.talker}{parsed.kind}"
+def _timed(parsed: Parsed, time: str, facts: Facts, day: dt.date | None = None) -> Observation:
+    """What a sentence with a time of day, maybe of a day, says."""
     time_ns = time_of_day_ns(time)
-    return Observation(key, parsed.kind, time_ns, facts, is_whole_s="." not in time)
-
-
-def _dated(facts: Facts, time: str, day: dt.date | None) -> None:
     # year 1980 is a cold receiver's clock before it has heard the time
     if day and day.year > 1980:
-        facts["dated_ns"] = instant_of(day, time_of_day_ns(time))
-
-
-def _one_of(text: str, known: frozenset[str]) -> str:
-    """A letter or digit that has a meaning, or nothing; else fields of the sentence are missing."""
-    if text not in known:
-        raise BadFieldError(text)
-    return text
+        facts["dated_ns"] = instant_of(day, time_ns)
+    key = parsed.talker + parsed.kind
+    return Observation(key, parsed.kind, time_ns, facts, (), "", "." not in time)
 
 
 def _position(fields: Sequence[str], *, valid: bool) -> Facts:

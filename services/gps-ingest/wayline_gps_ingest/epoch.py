@@ -38,8 +38,10 @@ class Epoch:
         self.kinds.add(kind)
         if observation.time_ns is not None:
             self.time_ns = observation.time_ns
-            self.is_whole_s = self.is_whole_s and observation.is_whole_s
-            self.first_key = self.first_key or observation.key
+            if not observation.is_whole_s:
+                self.is_whole_s = False
+            if not self.first_key:
+                self.first_key = observation.key
             self.timed_keys.add(observation.key)
         if kind in {"GSV", "GSA"}:
             self.sky.add(observation)

@@ -27,6 +27,7 @@ FIELDS_MIN = {
     "VTG": 4,
     "ZDA": 4,
     "GSA": 16,
+    "GSV": 3,
     "RMZ": 2,
 }
 """Fields that a whole sentence has; the checksum of a part of one may be right by chance."""
@@ -47,7 +48,8 @@ class Parsed(msgspec.Struct, frozen=True):
 
 def parse(text: str) -> Parsed | Fault | None:
     """A sentence that gps-ingest reads, why it cannot be read, or None for one of no interest."""
-    text = text[max(text.rfind("$"), 0) :].rstrip()
+    start = text.rfind("$")
+    text = (text[start:] if start > 0 else text).rstrip()
     known = _known(text[:HEAD])
     if known is None:
         return _unread(text)
@@ -61,7 +63,7 @@ def parse(text: str) -> Parsed | Fault | None:
     # of a proprietary sentence pynmea2 takes the last letters of the address for a field
     talker, kind, is_proprietary = known
     fields = sentence.data[1:] if is_proprietary else sentence.data
-    if len(fields) < FIELDS_MIN.get(kind, 3):
+    if len(fields) < FIELDS_MIN[kind]:
         return "torn"
     if " " in text:
         # columns of fixed width

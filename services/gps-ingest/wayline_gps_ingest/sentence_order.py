@@ -5,20 +5,24 @@ from dataclasses import dataclass
 ENDINGS_MAX = 16
 """More ways to begin a cycle than a receiver has; noise must not fill memory."""
 
+Place = tuple[str, int]
+"""A sentence of a cycle, and how many of it there were with it."""
+NONE: Place = ("", 0)
+
 
 @dataclass(slots=True)
 class Ending:
     """How the cycles that begin with one sentence end, as far as it is known."""
 
-    last: str = ""
+    last: Place = NONE
     """The sentence that ended two in a row."""
-    candidate: str = ""
+    candidate: Place = NONE
     timed: frozenset[str] = frozenset()
     """The timed sentences of the last one."""
     needed: frozenset[str] = frozenset()
     """Those that the last two shared."""
 
-    def learn(self, latest: str, timed_keys: frozenset[str]) -> None:
+    def learn(self, latest: Place, timed_keys: frozenset[str]) -> None:
         """Take in a cycle that the next one's first sentence has ended."""
         if latest == self.candidate:
             self.last = latest
@@ -39,7 +43,7 @@ class SentenceOrder:
         self._endings: dict[str, Ending] = {}
         self._ending = Ending()
         self._seen: dict[str, int] = {}
-        self._latest = ""
+        self._latest = NONE
 
     def begin(self, key: str) -> None:
         """A cycle's first timed sentence."""
@@ -50,7 +54,7 @@ class SentenceOrder:
     def note(self, key: str) -> None:
         """A sentence of the current cycle; the second of a key is told from the first."""
         times = self._seen[key] = self._seen.get(key, 0) + 1
-        self._latest = key if times == 1 else f"{key}#{times}"
+        self._latest = key, times
 
     def at_end(self, timed_keys: set[str]) -> bool:
         """Whether the latest sentence ends a cycle in which these timed sentences came."""
@@ -64,8 +68,8 @@ class SentenceOrder:
     def skip_cycle(self) -> None:
         """The next cycle begins; nothing is to be learned from the one that ended."""
         self._seen.clear()
-        self._latest = ""
+        self._latest = NONE
 
     def forget(self) -> None:
         """A cycle went on after what was taken for its end."""
-        self._ending.last = self._ending.candidate = ""
+        self._ending.last = self._ending.candidate = NONE

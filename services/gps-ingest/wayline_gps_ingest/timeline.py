@@ -4,7 +4,7 @@ import datetime as dt
 
 SECOND_NS = 1_000_000_000
 DAY_NS = 86_400 * SECOND_NS
-EPOCH = dt.date(1970, 1, 1)
+EPOCH_ORDINAL = dt.date(1970, 1, 1).toordinal()
 
 
 ERA_NS = 1024 * 7 * DAY_NS
@@ -46,7 +46,8 @@ class Timeline:
 
 def instant_of(day: dt.date, time_ns: int | None) -> int:
     """Unix time of a day's time; noon, from which the day is near, where the time is not known."""
-    return (day - EPOCH).days * DAY_NS + (DAY_NS // 2 if time_ns is None else time_ns)
+    days = day.toordinal() - EPOCH_ORDINAL
+    return days * DAY_NS + (DAY_NS // 2 if time_ns is None else time_ns)
 
 
 def nearest_ns(time_ns: int, near_ns: int) -> int:
