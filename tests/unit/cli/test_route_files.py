@@ -223,6 +223,22 @@ def test_what_is_no_route_is_refused_in_one_line(
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("member", "says"),
+    [
+        ("xl/workbook.xml", "is an Excel workbook"),
+        ("doc.kml", "is KMZ"),
+        ("a.txt", "holds no trip"),
+    ],
+)
+def test_other_packed_files_are_refused_by_name(tmp_path: Path, member: str, says: str) -> None:
+    source = tmp_path / "line.zip"
+    with zipfile.ZipFile(source, "w") as archive:
+        archive.writestr(member, "")
+    with pytest.raises(InputError, match=says):
+        run(source, tmp_path / "r.geojson")
+
+
 TRIPS = "route_id,trip_id\n7,t1\n"
 FEED = {
     "stops.txt": (
