@@ -420,9 +420,14 @@ def test_no_step_of_the_hosts_clock_makes_a_vehicle_old(
     running.await_start()
     true_ns = time.time_ns
     told_age_s(running, view, true_ns(), "bus-7")
+    # that it is no recording is known to whoever asks
+    health = Health(t_ns=true_ns(), service="gps-ingest", version="0", started_ns=true_ns())
+    running.put(health, source="gps-ingest")
     for step_s in (HOUR_S, -HOUR_S):
         monkeypatch.setattr(time, "time_ns", lambda s=step_s: true_ns() + round(s * 1e9))
-        assert told_age_s(running, view, true_ns(), "bus-7") < 1.0
+        for _ in range(5):
+            assert told_age_s(running, view, true_ns(), "bus-7") < 1.0
+            time.sleep(0.1)
 
 
 def test_a_silent_vehicle_is_forgotten_with_what_it_cost_and_comes_back(run: Run) -> None:
