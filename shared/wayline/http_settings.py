@@ -8,15 +8,6 @@ from wayline.errors import InputError
 from wayline.http_guard import is_loopback
 from wayline.toml import Strict
 
-PORTS = {
-    "dashboard": 8000,
-    "eta": 8001,
-    "slope-map": 8002,
-    "fusion": 8003,
-    "gps-ingest": 8004,
-    "can-ingest": 8005,
-}
-"""Each service's own port (SPEC section 5)."""
 MAKE_TOKEN = "python3 -c 'import secrets; print(secrets.token_urlsafe(32))'"  # noqa: S105
 
 Token = Annotated[str, Meta(pattern=r"^[!-~]+$")]

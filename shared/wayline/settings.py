@@ -3,19 +3,24 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import msgspec
 from msgspec import Meta
 
 from wayline.drive import VEHICLE_ID_PATTERN, CanMapping, Vehicle, VehicleId
 from wayline.errors import InputError
-from wayline.http_settings import PORTS, HttpSettings
+from wayline.http_settings import HttpSettings
 from wayline.profile import with_profiles
+from wayline.services import SERVICES
 from wayline.toml import Strict, fitted, read_toml
 from wayline.tuning import Tuning
 
-ServiceName = Literal["gps-ingest", "can-ingest", "fusion", "eta", "slope-map", "dashboard"]
+if TYPE_CHECKING:
+    ServiceName = str
+else:
+    # a Literal, so that whoever misspells a name is told which there are
+    ServiceName = Literal[tuple(SERVICES)]
 Port = Annotated[int, Meta(ge=0, le=65535)]
 EVERY_VEHICLE = "*"
 Served = Annotated[str, Meta(pattern=rf"^(\*|{VEHICLE_ID_PATTERN.strip('^$')})$")]
@@ -117,8 +122,9 @@ class Settings(Strict, frozen=True, kw_only=True):
 
     def http_of(self, service: str) -> HttpSettings:
         """HTTP settings of one service, with its port."""
-        port = next((p for name, p in self.ports.items() if name == service), self.http.port)
-        return msgspec.structs.replace(self.http, port=PORTS[service] if port is None else port)
+        port = self.ports.get(service, self.http.port)
+        own = SERVICES[service].port if port is None else port
+        return msgspec.structs.replace(self.http, port=own)
 
 
 def load_settings(path: Path, environment: Mapping[str, str] = os.environ) -> Settings:

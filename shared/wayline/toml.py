@@ -45,24 +45,27 @@ def fitted(tables: object, struct: type[StructType], where: str) -> StructType:
 def _explained(
     where: str, error: msgspec.ValidationError, struct: type[msgspec.Struct]
 ) -> InputError:
-    message, _, place = str(error).partition(" - at `$")
-    key = place.rstrip("`").lstrip(".") or "top level"
+    message, _, place = str(error).partition(" - at `")
+    is_name, place = place.startswith("key` in `"), place.removeprefix("key` in `")
+    key = place.strip("`").lstrip("$.") or "top level"
     if unknown := re.search(r"unknown field `(.+)`", message):
         name = unknown[1] if key == "top level" else f"{key}.{unknown[1]}"
         return InputError(where, f"unknown key {name}", "remove it or correct its spelling")
     if missing := re.search(r"missing required field `(.+)`", message):
         name = missing[1] if key == "top level" else f"{key}.{missing[1]}"
         return InputError(where, f"missing key {name}", "add it")
-    choices = _choices(struct, key)
+    choices = _choices(struct, key, is_name=is_name)
     mend = f"give one of {', '.join(choices)}" if choices else "correct that value"
     return InputError(where, f"{key}: {message}", mend)
 
 
-def _choices(struct: type[msgspec.Struct], key: str) -> list[str]:
-    """The words that a value may be; empty where it is no word of a few."""
+def _choices(struct: type[msgspec.Struct], key: str, *, is_name: bool) -> list[str]:
+    """The words that a value, or a name in a table, may be; empty where it is no word of a few."""
     kinds = [msgspec.inspect.type_info(struct)]
     for name in re.findall(r"[^.\[\]]+", key.replace("[...]", "[*]")):
         kinds = [inner for kind in kinds for inner in _within(kind, name)]
+    if is_name:
+        kinds = [kind.key_type for kind in kinds if isinstance(kind, msgspec.inspect.DictType)]
     literals = (kind for kind in kinds if isinstance(kind, msgspec.inspect.LiteralType))
     return [str(value) for literal in literals for value in literal.values]
 

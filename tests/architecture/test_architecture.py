@@ -44,10 +44,6 @@ def is_pure(path: Path) -> bool:
     return docstring.startswith("Pure:")
 
 
-def test_there_are_six_services() -> None:
-    assert len(SERVICES) == 6
-
-
 @pytest.mark.parametrize("path", sources("services"), ids=lambda path: str(path.relative_to(ROOT)))
 def test_no_service_imports_another(path: Path) -> None:
     own = next(part for part in path.parts if part in SERVICES)

@@ -6,8 +6,9 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from browser.conftest import Stage, Watched
-from browser.shuttle import SECOND_NS, SERVICES
+from browser.shuttle import SECOND_NS
 from wayline.geo import step_between
+from wayline.services import SERVICES
 
 TOKEN = "correct-horse-battery"
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from wayline.errors import InputError
+from wayline.services import SERVICES
 from wayline.stop import Stop, stop_on_signals
 from wayline_cli.demo_files import LOOPBACK, Demo, check_ports, choose_ports, prepare
 from wayline_cli.demo_ready import await_live
@@ -97,7 +98,7 @@ def page_address(demo_: Demo) -> str:
 def addresses(demo_: Demo, *, is_built: bool) -> list[str]:
     """Where to look, line by line."""
     page, http = page_address(demo_), demo_.ports.http
-    apis = (("arrivals", "eta"), ("slopes", "slope-map"), ("view", "dashboard"))
+    apis = [(row.shows, name) for name, row in SERVICES.items() if row.shows]
     rerun = f"rerun+http://{LOOPBACK}:{demo_.ports.rerun}/proxy"
     return [
         "",

@@ -7,12 +7,11 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import get_args
 
-from wayline.settings import BusSettings, ServiceName
+from wayline.services import SERVICES
+from wayline.settings import BusSettings
 from wayline_cli.up import service_command
 
-SERVICES: tuple[str, ...] = get_args(ServiceName)
 STOP_S = 10.0
 POLL_S = 0.02
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from wayline.errors import InputError
+from wayline.services import SERVICES
 from wayline.settings import Settings, load_settings
 from wayline.stop import Stop, stop_on_signals
 from wayline_cli.supervisor import Action, Supervisor
@@ -64,7 +65,7 @@ def children(config: Path, settings: Settings) -> list[list[Child]]:
 
 def service_command(name: str, config: Path) -> tuple[str, ...]:
     """How to run a service: its command stands beside this Python."""
-    executable = Path(sys.executable).with_name(f"wayline-{name}")
+    executable = Path(sys.executable).with_name(SERVICES[name].command)
     if not os.access(executable, os.X_OK):
         raise InputError(str(executable), "no such command", f'pip install "wayline[{name}]"')
     return (str(executable), "--config", str(config))

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 
 from wayline.arrival import Arrival, in_order
 from wayline.drive import Drive
-from wayline_can_ingest import recorded as can
-from wayline_gps_ingest import recorded as gps
+from wayline_replay.parts import recordings
 
 
 class DriveStream:
@@ -16,7 +15,7 @@ class DriveStream:
     """
 
     def __init__(self, drive: Drive, where: str) -> None:
-        self._recordings = [*gps.recordings(drive), *can.recordings(drive, where)]
+        self._recordings = recordings(drive, where)
 
     def __iter__(self) -> Iterator[Arrival]:
         return heapq.merge(

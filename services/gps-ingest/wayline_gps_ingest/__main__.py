@@ -25,7 +25,8 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     if options.drive is not None:
         drive = load_drive(options.drive)
-        played = playback(NAME, settings, options, lambda: recordings(drive))
+        where = str(options.drive)
+        played = playback(NAME, settings, options, lambda: recordings(drive, where))
         app = plain_app(NAME, settings)
         return Service(
             NAME,

@@ -12,8 +12,9 @@ from wayline.nmea_log import has_date, read_sentences
 from wayline_gps_ingest.core import GpsIngestCore
 
 
-def recordings(drive: Drive) -> list[Recording]:
+def recordings(drive: Drive, where: str) -> list[Recording]:
     """Every `[[nmea]]` and `[[avl]]` of a drive, in that order. Raises InputError."""
+    del where  # what is wrong with them is in their own files
     names = source_names("gps-ingest")
     return [
         *(_receiver(nmea, drive.vehicle, next(names)) for nmea in drive.nmea),

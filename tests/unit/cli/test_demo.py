@@ -10,7 +10,7 @@ import pytest
 
 from wayline.drive import load_drive
 from wayline.errors import InputError
-from wayline.http_settings import PORTS
+from wayline.services import SERVICES
 from wayline.settings import load_settings
 from wayline.stop import Stop
 from wayline_cli import demo_files, demo_ready
@@ -22,7 +22,7 @@ from wayline_cli.journal import journal_in
 
 def test_without_a_wish_the_ports_are_the_services_own() -> None:
     ports = choose_ports(None)
-    assert ports.http == {**PORTS, TRUCK_GPS: 8006}
+    assert ports.http == {**{name: row.port for name, row in SERVICES.items()}, TRUCK_GPS: 8006}
     assert (ports.router, ports.rerun) == (7447, 9876)
 
 
