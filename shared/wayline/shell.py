@@ -10,7 +10,6 @@ from pathlib import Path
 from msgspec.structs import replace
 
 from wayline import __version__
-from wayline.arrival import Recording
 from wayline.bus import open_session
 from wayline.drive import load_drive
 from wayline.errors import InputError
@@ -18,6 +17,7 @@ from wayline.http import Healthz, create_service_app
 from wayline.loop import run
 from wayline.play_clock import PlayClock, agree
 from wayline.playback import Playback, PlayOptions
+from wayline.received import Recording
 from wayline.route import Route, load_route
 from wayline.service import Service
 from wayline.settings import Settings, load_settings, overridden

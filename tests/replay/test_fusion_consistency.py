@@ -57,8 +57,8 @@ def drive(scenario: str, seed: int, folder: Path) -> tuple[PoseErrors, list[Verd
     wanted = {**few, "seed": seed, "road": {"length_m": 5000.0}}
     simulate(overlaid(load_scenario(scenario), wanted), folder)
     loaded = load_drive(folder)
-    arrivals = with_outages(DriveStream(loaded, str(folder)), [OUTAGE])
-    outputs = run_core(FusionCore(loaded.tuning), [arrival.message for arrival in arrivals])
+    messages = with_outages(DriveStream(loaded, str(folder)), [OUTAGE])
+    outputs = run_core(FusionCore(loaded.tuning), [received.message for received in messages])
     errors = compared(estimates_of(only(outputs, Pose)), needed_truth(folder))
     settled = errors.where(errors.times_s - errors.times_s[0] >= SETTLED_S)
     statuses = only(outputs, FusionStatus)

@@ -40,7 +40,7 @@ def driven(messages: Iterable[Message], saved: Saved | None = None) -> tuple[lis
 def with_tunnel(folder: Path) -> tuple[int, list[Message]]:
     """When the drive began, and its first twelve minutes."""
     stream = with_outages(DriveStream(load_drive(folder), str(folder)), [TUNNEL])
-    messages = list(until(END_S, (arrival.message for arrival in stream)))
+    messages = list(until(END_S, (received.message for received in stream)))
     return min(message.t_ns for message in messages[:1000]), messages
 
 

@@ -32,7 +32,7 @@ Send = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class Plan:
+class ReceiverFeed:
     """What to feed, for how long, and whose CPU time to read."""
 
     ports: tuple[int, ...]
@@ -62,7 +62,7 @@ class Fed:
     """What `pynmea2.parse` alone spent on the same bursts at the same pace."""
 
 
-def feed(plan: Plan) -> Fed:
+def feed(plan: ReceiverFeed) -> Fed:
     """Wait for every receiver's reader, warm it up, then let sentences and yardsticks take turns.
 
     Raises TimeoutError where a reader does not come.

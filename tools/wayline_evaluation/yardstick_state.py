@@ -17,7 +17,7 @@ TYRES_STD = 0.001
 `wayline_simulator.tyres`. A second source of slow wander beside the sensor's own."""
 
 
-class States(IntEnum):
+class YardstickStates(IntEnum):
     """Places in the state, with the unit of each; the models say what each is."""
 
     EAST = 0  # m
@@ -40,7 +40,7 @@ class States(IntEnum):
     REFLECTED_NORTH = 17
 
 
-S = States
+S = YardstickStates
 WHEELS = (S.WHEEL_SCALE, S.WHEEL_WANDER, S.WHEEL_SLIP)
 """Their sum is true over measured."""
 BIASES = (S.GYRO_BIAS, S.GYRO_WANDER, S.GYRO_ROUNDING)

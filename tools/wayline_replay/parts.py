@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from importlib import import_module
 from types import ModuleType
 
-from wayline.arrival import Recording
 from wayline.drive import Drive
 from wayline.node import Node
+from wayline.received import Recording
 from wayline.replayed_drive import ReplayedDrive
 from wayline.services import SERVICES, Replayed
 

@@ -62,12 +62,12 @@ def replay(
         route_path = Path(drive.route.path)
     route = load_route(route_path) if route_path else None
     stream = DriveStream(drive, str(folder))
-    arrivals = with_outages(stream, outages) if outages else iter(stream)
+    messages = with_outages(stream, outages) if outages else iter(stream)
     with JsonLines(out, drive.drive.vehicle_id) as lines:
         span = _Span(lines.write)
         pipeline = Pipeline(nodes(ReplayedDrive(drive, route, database_url)), span.publish)
-        for number, arrival in enumerate(arrivals):
-            pipeline.feed(arrival.message, arrival.source)
+        for number, received in enumerate(messages):
+            pipeline.feed(received.message, received.source)
             if number % REPORT_EVERY == 0:
                 progressed(span.duration_s)
         pipeline.finish()

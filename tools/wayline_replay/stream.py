@@ -1,15 +1,15 @@
-"""A drive's messages in order of arrival, from all its recordings."""
+"""A drive's messages in order of receipt, from all its recordings."""
 
 import heapq
 from collections.abc import Iterator
 
-from wayline.arrival import Arrival, in_order
 from wayline.drive import Drive
+from wayline.received import Received, in_order
 from wayline_replay.parts import recordings
 
 
 class DriveStream:
-    """Iterates once over a drive's messages in order of arrival.
+    """Iterates once over a drive's messages in order of receipt.
 
     `where` names the drive file in errors. Raises InputError.
     """
@@ -17,10 +17,10 @@ class DriveStream:
     def __init__(self, drive: Drive, where: str) -> None:
         self._recordings = recordings(drive, where)
 
-    def __iter__(self) -> Iterator[Arrival]:
+    def __iter__(self) -> Iterator[Received]:
         return heapq.merge(
             *(in_order(order, recording) for order, recording in enumerate(self._recordings)),
-            key=lambda arrival: arrival[:2],
+            key=lambda received: received[:2],
         )
 
     @property

@@ -19,7 +19,7 @@ class Outage(Strict, frozen=True, kw_only=True):
     """Comes again this often until the end of the drive."""
 
 
-class Displacement(Strict, frozen=True, kw_only=True):
+class DisplacedFixes(Strict, frozen=True, kw_only=True):
     """`[[events.displacements]]`: fixes that agree with each other and are all wrong."""
 
     start_s: NotNegative
@@ -34,4 +34,4 @@ class GpsEvents(Strict, frozen=True, kw_only=True):
     """`[events]`; seconds count from the start of the drive."""
 
     outages: tuple[Outage, ...] = ()
-    displacements: tuple[Displacement, ...] = ()
+    displacements: tuple[DisplacedFixes, ...] = ()

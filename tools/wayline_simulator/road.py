@@ -16,7 +16,7 @@ from wayline_simulator.garage import garage_road
 from wayline_simulator.interchange import figure_of_eight, motorway
 from wayline_simulator.line_files import read_line
 from wayline_simulator.road_plan import (
-    Plan,
+    RoadPlan,
     Stretch,
     dig,
     lay_plan,
@@ -122,7 +122,7 @@ def _check(road: RoadModel) -> None:
         raise InputError("road.length_m", what, f"give {least_m:g} or more")
 
 
-def _plan(road: RoadModel, random: np.random.Generator) -> Plan:
+def _plan(road: RoadModel, random: np.random.Generator) -> RoadPlan:
     """A road that is made up."""
     if road.kind == "garage":
         return garage_road(random)
@@ -138,7 +138,7 @@ def _plan(road: RoadModel, random: np.random.Generator) -> Plan:
     return (country_loop if loop else open_country_road)(design, length_m, random)
 
 
-def _furnish(plan: Plan, road: RoadModel, random: np.random.Generator) -> None:
+def _furnish(plan: RoadPlan, road: RoadModel, random: np.random.Generator) -> None:
     """Stops, canyons and tunnels."""
     place_stops(plan, road.stops, random)
     for canyon in road.canyons:
@@ -153,7 +153,7 @@ def _furnish(plan: Plan, road: RoadModel, random: np.random.Generator) -> None:
     dig(plan, tunnels)
 
 
-def _check_stretch(where: str, stretch: Stretch, plan: Plan) -> None:
+def _check_stretch(where: str, stretch: Stretch, plan: RoadPlan) -> None:
     end_m = stretch.start_m + stretch.length_m
     if end_m > plan.length_m:
         what = f"ends at {end_m:.0f} m of a road of {plan.length_m:.0f} m"

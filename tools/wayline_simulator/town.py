@@ -16,7 +16,7 @@ from wayline_simulator.alignment import (
 )
 from wayline_simulator.country_road import KMH
 from wayline_simulator.course import Floats, Halt, Surroundings
-from wayline_simulator.road_plan import Plan, bare_plan, line_with
+from wayline_simulator.road_plan import RoadPlan, bare_plan, line_with
 from wayline_simulator.vertical_alignment import Relief, rolling_grade
 
 BLOCK_M = (70.0, 260.0)
@@ -47,7 +47,7 @@ RELIEF = Relief(0.05, 0.45, 120.0, 350.0, 700.0, 1300.0, 15.0)
 """5 %; AASHTO's K at 50 km/h is 7 and 13 m/%."""
 
 
-def town_road(length_m: float, random: np.random.Generator) -> Plan:
+def town_road(length_m: float, random: np.random.Generator) -> RoadPlan:
     """Through a town from one end to the other."""
     curvature = sample(_with_roundabouts(_blocks(length_m, random), random))
     plan = bare_plan(curvature, rolling_grade(len(curvature), RELIEF, random), LIMITS_MPS[-1])
@@ -55,7 +55,7 @@ def town_road(length_m: float, random: np.random.Generator) -> Plan:
     return plan
 
 
-def town_loop(length_m: float, random: np.random.Generator) -> Plan:
+def town_loop(length_m: float, random: np.random.Generator) -> RoadPlan:
     """Round through a town along its grid and back."""
     shape = _skyline(length_m, random)
     legs_m, _ = legs_and_turns(shape)
@@ -139,7 +139,7 @@ def _with_roundabouts(elements: Sequence[Element], random: np.random.Generator) 
     return built
 
 
-def _furnish(plan: Plan, random: np.random.Generator) -> None:
+def _furnish(plan: RoadPlan, random: np.random.Generator) -> None:
     """Limits, houses and lights."""
     place_m = 0.0
     while place_m < plan.length_m:

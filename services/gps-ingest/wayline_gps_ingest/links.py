@@ -77,7 +77,7 @@ class Address(NamedTuple):
 
     open: Callable[[], AbstractContextManager[Link]]
     line: Callable[[int, str], msgspec.Struct]
-    """A line with its arrival, as its core takes it."""
+    """A line with its receipt, as its core takes it."""
 
 
 def address_of(source: LiveNmea) -> Address:

@@ -94,10 +94,10 @@ class Receiver:
             if not heard.size_bytes:
                 continue
             self._byte_s = last_s = time.monotonic()
-            arrival_ns = time.time_ns()
+            received_ns = time.time_ns()
             for line in heard.lines:
                 self._sentence_s = last_s
-                put(self._address.line(arrival_ns, line))
+                put(self._address.line(received_ns, line))
         self._error = "silent"
         return last_s > opened_s
 

@@ -2,9 +2,9 @@
 
 from collections import deque
 
+from wayline_gps_ingest.dates import DAY_NS, EPOCH, nearest_ns
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS
-from wayline_gps_ingest.timeline import DAY_NS, EPOCH, nearest_ns
 
 WAIT_NS = 10 * SECOND_NS
 """Older epochs are of no use to anyone once their day is known."""

@@ -9,10 +9,10 @@ from threading import Thread
 import pytest
 
 from wayline.drive import load_drive
+from wayline.ending import Ending
 from wayline.errors import InputError
 from wayline.services import SERVICES
 from wayline.settings import load_settings
-from wayline.stop import Stop
 from wayline_cli import demo_files, demo_ready
 from wayline_cli.demo import addresses, demo, has_display
 from wayline_cli.demo_files import TRUCK_GPS, Demo, Ports, check_ports, choose_ports, prepare
@@ -178,10 +178,10 @@ def test_what_is_missing_is_said_after_a_while_and_waiting_can_be_stopped(
 ) -> None:
     monkeypatch.setattr(demo_ready, "PATIENCE_S", 0.0)
     server, made = serving(0)
-    stop = Stop()
-    waiting = await_live(made, stop)
+    ending = Ending()
+    waiting = await_live(made, ending)
     assert next(waiting) == ["b", "c"]
-    stop.request()
+    ending.request()
     assert list(waiting) == []
     server.shutdown()
     server.server_close()
