@@ -1,4 +1,4 @@
-"""What a replay gives to the services whose cores run in it."""
+"""Pure: what a replay gives to the services whose cores run in it."""
 
 from typing import NamedTuple
 

@@ -15,7 +15,7 @@ import zenoh
 from wayline.bus import client_config
 from wayline.ending import ending_on_signals
 from wayline.errors import InputError
-from wayline.http_guard import is_loopback
+from wayline.http_settings import is_loopback
 from wayline.settings import BusSettings, load_settings
 
 

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from wayline.drive import VEHICLE_ID_PATTERN, CanMapping, Vehicle, VehicleId
+from wayline.drive import VEHICLE_ID_PATTERN, Vehicle, VehicleId
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
+from wayline.live_sources import LiveCan, LiveNmea
 from wayline.profile import with_profiles
 from wayline.services import SERVICES
-from wayline.toml import Strict, fitted, read_toml
+from wayline.strict import Strict, fitted
+from wayline.toml import read_toml
 from wayline.tuning import Tuning
 
 if TYPE_CHECKING:
@@ -40,27 +42,6 @@ class BusSettings(Strict, frozen=True, kw_only=True):
     """PEM file with this machine's own certificate, where the router asks for one."""
     tls_key: str | None = None
     """PEM file with its private key."""
-
-
-class LiveNmea(Strict, frozen=True, kw_only=True):
-    """`[[nmea]]`: a receiver."""
-
-    url: Annotated[str, Meta(pattern=r"^(serial|tcp|udp|gpsd)://")]
-    """serial:///dev/ttyUSB0, tcp://host:port, udp://:port or gpsd://host:2947"""
-    baud: Annotated[int, Meta(gt=0)] | None = None
-    """Of a serial line; found by itself where it is not given."""
-
-
-class LiveCan(CanMapping, frozen=True, kw_only=True):
-    """`[[can]]`: a bus, by python-can's names of interface and channel."""
-
-    interface: str
-    channel: str | int
-    bitrate: Annotated[int, Meta(gt=0)] | None = None
-    options: dict[str, str | int | float | bool] = {}
-    """What else python-can's interface takes, by its own names."""
-    obd2: bool | None = None
-    """Ask a car for its values over ISO-TP; by default where `vehicle.profile` is obd2."""
 
 
 class RerunSettings(Strict, frozen=True, kw_only=True):

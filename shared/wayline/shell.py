@@ -11,14 +11,15 @@ from msgspec.structs import replace
 
 from wayline import __version__
 from wayline.bus import open_session
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.http import Healthz, create_service_app
 from wayline.loop import run
 from wayline.play_clock import PlayClock, agree
 from wayline.playback import Playback, PlayOptions
 from wayline.received import Recording
-from wayline.route import Route, load_route
+from wayline.route import Route
+from wayline.route_file import load_route
 from wayline.service import Service
 from wayline.settings import Settings, load_settings, overridden
 from wayline.telemetry import Telemetry

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
 Probability = Annotated[float, Meta(gt=0.0, lt=1.0)]

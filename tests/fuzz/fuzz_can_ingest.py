@@ -25,7 +25,8 @@ import psutil
 
 from wayline.can_log import CanLog
 from wayline.codec import decode, encode
-from wayline.drive import CanSource, Clock, SignalMapping, Vehicle, load_drive
+from wayline.drive import CanSource, Clock, SignalMapping, Vehicle
+from wayline.drive_file import load_drive
 from wayline.inputs import Flush, Frame, Tick
 from wayline.messages import Message
 from wayline_can_ingest.configured import load_mapping

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from builders import only, run_core
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.messages import FusionStatus, Pose, Verdict
 from wayline_evaluation.estimates import estimates_of
 from wayline_evaluation.pose_errors import PoseErrors, compared, pooled
@@ -20,7 +20,8 @@ from wayline_fusion.core import FusionCore
 from wayline_replay.outages import Outage, with_outages
 from wayline_replay.stream import DriveStream
 from wayline_simulator.drive_folder import simulate
-from wayline_simulator.scenario import load_scenario, overlaid
+from wayline_simulator.scenario import overlaid
+from wayline_simulator.scenario_file import load_scenario
 
 DRIVES = [("main-road", 11), ("main-road", 12), ("main-road", 13), ("town", 14), ("town", 15)]
 SETTLED_S = 120.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from builders import only
 from unit.fusion.test_restart import Kept, std_m
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.geo import step_between
 from wayline.messages import FusionStatus, Message, Pose
 from wayline.node import Node

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from wayline.database import open_database
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline_evaluation.outages import score_outage
 from wayline_evaluation.pose_errors import compared
 from wayline_evaluation.reference import fixes_reference

@@ -14,7 +14,8 @@ from cantools.database.errors import DecodeError
 
 from wayline.can_log import CanLog
 from wayline.codec import encode
-from wayline.drive import CanSource, Drive, load_drive
+from wayline.drive import CanSource, Drive
+from wayline.drive_file import load_drive
 from wayline.inputs import Frame
 from wayline_bench.rounds import Say, Work, in_turns
 from wayline_bench.row import Row, compared

@@ -1,4 +1,4 @@
-"""Pure: a 500 kbit/s bus at full load, made up: one frame in ten is asked for, or every one."""
+"""A 500 kbit/s bus at full load, made up: one frame in ten is asked for, or every one."""
 
 from collections.abc import Iterator
 

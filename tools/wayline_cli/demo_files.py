@@ -13,7 +13,7 @@ from wayline.errors import InputError
 from wayline.services import SERVICES
 from wayline_cli.up import Child, service_command
 from wayline_simulator.drive_folder import simulate
-from wayline_simulator.scenario import load_scenario
+from wayline_simulator.scenario_file import load_scenario
 
 LOOPBACK = "127.0.0.1"
 ROUTER_PORT, RERUN_PORT = 7447, 9876

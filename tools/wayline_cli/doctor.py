@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wayline.errors import InputError
 from wayline.http_settings import check_exposure
-from wayline.route import load_route
+from wayline.route_file import load_route
 from wayline.services import SERVICES, ServiceRow, Tables
 from wayline.settings import Settings, load_settings, overridden
 from wayline_cli.check import Check, attempted, fine, note, wrong

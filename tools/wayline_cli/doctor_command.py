@@ -16,7 +16,7 @@ from rich.table import Table
 from wayline.errors import InputError
 
 if TYPE_CHECKING:
-    from wayline.settings import LiveCan
+    from wayline.live_sources import LiveCan
     from wayline_can_ingest.diagnosis.diagnose import Diagnosis
     from wayline_can_ingest.diagnosis.listen import Heard
     from wayline_can_ingest.mapping import Mapping
@@ -131,8 +131,8 @@ def _source(
     *,
     obd2: bool,
 ) -> "LiveCan":
-    from wayline.settings import LiveCan
-    from wayline.toml import fitted
+    from wayline.live_sources import LiveCan
+    from wayline.strict import fitted
 
     tables = {
         "interface": interface or SOCKETCAN,

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from wayline.bus import open_session
 from wayline.codec import decode
-from wayline.drive import Drive, load_drive
+from wayline.drive import Drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.geo import step_between
 from wayline.messages import Health, Message, Pose

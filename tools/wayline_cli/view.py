@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from wayline.codec import decode
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.messages import TOPICS, Message
-from wayline.route import Route, load_route
+from wayline.route import Route
+from wayline.route_file import load_route
 from wayline_replay.replay import replay
 
 if TYPE_CHECKING:

@@ -2,7 +2,6 @@
 
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,17 +20,16 @@ from wayline_evaluation.scenario_bars import (
     worst_m,
 )
 from wayline_evaluation.scenario_plan import StudyDrive, outages_within
+from wayline_evaluation.studied import Bars, Studied
 from wayline_evaluation.told import told
 from wayline_replay.outages import Outage
 from wayline_replay.replay import Summary, replay
 from wayline_simulator.course import Surroundings
 from wayline_simulator.drive_folder import simulate
-from wayline_simulator.facts import read_facts
+from wayline_simulator.facts_file import read_facts
 from wayline_simulator.happenings import Happenings
-from wayline_simulator.scenario import Scenario, load_scenario, overlaid
-
-Bars = dict[str, float | None]
-"""By name; None where the drive had no occasion."""
+from wayline_simulator.scenario import Scenario, overlaid
+from wayline_simulator.scenario_file import load_scenario
 
 
 class Task(NamedTuple):
@@ -39,20 +37,6 @@ class Task(NamedTuple):
 
     drive: StudyDrive
     folder: Path
-
-
-@dataclass(frozen=True, slots=True)
-class Studied:
-    """What was seen on one drive."""
-
-    drive: StudyDrive
-    distance_m: float
-    errors: dict[str, PoseErrors]
-    """By filter: fusion, yardstick."""
-    outages: tuple[OutageScore, ...]
-    blind: dict[str, PoseErrors]
-    """By filter, in those outages; empty where the plan has none."""
-    bars: Bars
 
 
 class Outcome(NamedTuple):

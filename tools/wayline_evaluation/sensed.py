@@ -1,17 +1,14 @@
-"""What a drive's sensors measured, as arrays: the input of the filters that judge and compare."""
+"""Pure: what a drive's sensors measured, as arrays: what judging filters are fed with."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wayline.drive import Drive
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
 from wayline_evaluation.estimates import Floats
 from wayline_replay.outages import Outage
-from wayline_replay.stream import DriveStream
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +40,6 @@ class Sensed:
     pressure_pa: Series
     slope_pct: Series
     """The vehicle's own; empty where it reports none."""
-
-
-def sense(drive: Drive, where: Path) -> Sensed:
-    """Read a drive. Raises InputError."""
-    return sensed_of(arrival.message for arrival in DriveStream(drive, str(where)))
 
 
 def sensed_of(messages: Iterable[Message]) -> Sensed:

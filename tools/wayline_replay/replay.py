@@ -6,12 +6,12 @@ from pathlib import Path
 
 import msgspec
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.messages import Message, Pose
 from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
 from wayline.replayed_drive import ReplayedDrive
-from wayline.route import load_route
+from wayline.route_file import load_route
 from wayline.tuning import ArchitectureName
 from wayline_replay.outages import Outage, with_outages
 from wayline_replay.parts import nodes

@@ -7,7 +7,7 @@ from msgspec import Meta
 from scipy.signal import lfilter
 
 from wayline.air import EXPONENT, SCALE_M
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.course import Surroundings
 from wayline_simulator.journey import Floats, Journey, Truth
 from wayline_simulator.noise import gauss_markov, in_steps, random_steps

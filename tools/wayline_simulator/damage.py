@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.stream import TimedLine
 
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]

@@ -6,8 +6,7 @@ from wayline.line import Line
 from wayline_simulator.closing import Start
 from wayline_simulator.country_road import KMH, MAIN
 from wayline_simulator.course import STEP_M, Floats, Halt
-from wayline_simulator.line_course import LinePoints, SmoothLine, smooth_line
-from wayline_simulator.line_files import LineFile
+from wayline_simulator.line_course import LineFile, LinePoints, SmoothLine, smooth_line
 from wayline_simulator.road_plan import RoadPlan, bare_plan
 from wayline_simulator.vertical_alignment import close_grade, rolling_grade
 

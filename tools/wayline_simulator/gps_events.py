@@ -1,10 +1,10 @@
-"""What befalls a receiver by schedule."""
+"""Pure: what befalls a receiver by schedule."""
 
 from typing import Annotated
 
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 
 NotNegative = Annotated[float, Meta(ge=0.0)]
 Positive = Annotated[float, Meta(gt=0.0)]

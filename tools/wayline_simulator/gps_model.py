@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.constellation import System
 
 Positive = Annotated[float, Meta(gt=0.0)]

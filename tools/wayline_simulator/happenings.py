@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.gps_events import GpsEvents
 from wayline_simulator.gps_gaps import scheduled
 from wayline_simulator.journey import MOTION_STEP_S, Floats, Journey

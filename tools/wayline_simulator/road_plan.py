@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.closing import Start, close_curvature
 from wayline_simulator.course import STEP_M, Course, Floats, Halt, Surroundings, lay_course
 

@@ -11,7 +11,7 @@ import can
 import msgspec
 
 from wayline.inputs import Frame
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.frames import BUS_OFF, FrameReader
 from wayline_can_ingest.obd2_poll import Obd2Poll
 from wayline_can_ingest.wanted import Wanted

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 import msgspec
 
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.bus_condition import BusCondition
 from wayline_can_ingest.bus_reader import BusReader, Ear, OpenBus, open_bus
 from wayline_can_ingest.obd2_poll import Obd2Poll

@@ -15,7 +15,8 @@ from starlette.middleware.gzip import GZipMiddleware
 from wayline.geojson import FeatureCollection
 from wayline.http import Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
-from wayline.route import Route, route_features
+from wayline.route import Route
+from wayline.route_file import route_features
 from wayline_dashboard.live_view import LiveView
 from wayline_dashboard.page import STATIC, add_page, is_page
 from wayline_dashboard.stream import stream

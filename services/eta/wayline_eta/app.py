@@ -12,7 +12,8 @@ from wayline.http import Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters
 from wayline.query_error import QueryError
-from wayline.route import Route, route_features
+from wayline.route import Route
+from wayline.route_file import route_features
 from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
 from wayline_eta.board import ArrivalsParameters, EtaBoard, answer_arrivals
 

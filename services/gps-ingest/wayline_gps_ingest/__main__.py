@@ -3,7 +3,7 @@
 from argparse import Namespace
 from collections.abc import Callable
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.http import Healthz
 from wayline.node import Node
 from wayline.received import source_names

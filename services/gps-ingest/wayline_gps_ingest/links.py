@@ -16,7 +16,7 @@ import serial
 from wayline.errors import InputError
 from wayline.framing import SentenceSplitter
 from wayline.inputs import Sentence
-from wayline.settings import LiveNmea
+from wayline.live_sources import LiveNmea
 from wayline_gps_ingest.baud import BaudSearch, UbxEar, is_sound
 from wayline_gps_ingest.gpsd import GpsdReport
 

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import msgspec
 
+from wayline.live_sources import LiveNmea
 from wayline.messages import GpsFix, Message
-from wayline.settings import LiveNmea
 from wayline.view import Receipt
 from wayline_gps_ingest.condition import Condition
 from wayline_gps_ingest.links import Link, address_of

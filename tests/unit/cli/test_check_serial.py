@@ -9,7 +9,7 @@ import pytest
 import serial
 
 from outlets import Plug, Talker
-from wayline.settings import LiveNmea
+from wayline.live_sources import LiveNmea
 from wayline_cli.check import Check, Verdict
 from wayline_cli.check_serial import check_receivers
 from wayline_cli.listen_serial import Hearing, listen

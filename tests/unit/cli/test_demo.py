@@ -8,7 +8,7 @@ from threading import Thread
 
 import pytest
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.ending import Ending
 from wayline.errors import InputError
 from wayline.services import SERVICES

@@ -14,8 +14,9 @@ import pytest
 from wayline.database import open_database
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
+from wayline.live_sources import LiveCan, LiveNmea
 from wayline.router import open_router
-from wayline.settings import BusSettings, LiveCan, LiveNmea, Settings
+from wayline.settings import BusSettings, Settings
 from wayline_can_ingest.diagnosis.opening import try_can
 from wayline_cli import check_network
 from wayline_cli.check import Check, Verdict, attempted, fine, is_well, note, wrong

@@ -13,10 +13,11 @@ from wayline_evaluation.scenario_plan import (
     outages_within,
     study_drives,
 )
-from wayline_evaluation.scenario_study import BARS, Studied
+from wayline_evaluation.scenario_study import BARS
 from wayline_evaluation.scenario_table import HEADER, markdown, yardstick_lines
+from wayline_evaluation.studied import Studied
 from wayline_evaluation.study import main
-from wayline_simulator.scenario import shipped_scenarios
+from wayline_simulator.scenario_file import shipped_scenarios
 
 
 def score(name: str, horizontal_m: float) -> OutageScore:
