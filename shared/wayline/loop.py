@@ -25,7 +25,7 @@ from wayline.http import Healthz
 from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
 from wayline.keys import FLEET, Key, alive_key, parse_key
-from wayline.messages import Health, Message
+from wayline.messages import TEXT_MAX, Health, Message
 from wayline.playback import Played
 from wayline.queryable import replier
 from wayline.receipts import Receipts
@@ -295,7 +295,7 @@ class Loop:
             inbox.backlog,
             inbox.dropped,
             service.bad_input(),
-            "; ".join(details) or None,
+            "; ".join(details)[:TEXT_MAX] or None,
         )
         if service.is_announced:
             self._publishers.put(self._home(), health.topic, service.name, encode(health))

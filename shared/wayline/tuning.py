@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from wayline.messages import LIST_MAX
 from wayline.strict import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
@@ -201,3 +202,11 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """How far the horizon looks."""
     horizon_step_m: Positive = 20.0
     """Between the points of the horizon."""
+
+    def __post_init__(self) -> None:
+        points = self.horizon_length_m / self.horizon_step_m + 1.0
+        if points > LIST_MAX:
+            raise ValueError(
+                f"horizon_length_m over horizon_step_m makes {points:,.0f} points, more than "
+                f"{LIST_MAX:,}"
+            )

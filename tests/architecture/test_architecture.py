@@ -84,9 +84,11 @@ def test_shared_code_imports_no_service_and_no_tool(path: Path) -> None:
 
 
 @pytest.mark.parametrize("service", sorted(SERVICES))
-def test_every_service_has_a_pure_core(service: str) -> None:
-    (core,) = (ROOT / "services").glob(f"*/{service}/core.py")
-    assert is_pure(core)
+def test_every_service_thinks_in_a_pure_core_or_shows_by_a_pure_view_model(service: str) -> None:
+    """One of the two: a view model beside a core would answer the core's questions again."""
+    (folder,) = (ROOT / "services").glob(f"*/{service}")
+    minds = [folder / name for name in ("core.py", "view_model.py") if (folder / name).is_file()]
+    assert [is_pure(mind) for mind in minds] == [True]
 
 
 def test_what_says_pure_does_no_input_or_output() -> None:

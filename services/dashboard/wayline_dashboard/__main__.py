@@ -1,6 +1,5 @@
 """The dashboard process."""
 
-import time
 from argparse import Namespace
 
 from wayline.service import Service
@@ -14,10 +13,10 @@ NAME = "dashboard"
 
 
 def build(settings: Settings, options: Namespace) -> Service:
-    """The service as configured. The view model is fed as messages are heard."""
+    """The service as configured: a view, and no core."""
     del options
     routes = load_routes(settings)
-    live = LiveView(time.time_ns)
+    live = LiveView()
     return Service(
         NAME,
         views=[live],

@@ -400,7 +400,7 @@ def test_a_message_is_as_old_as_it_says_but_for_a_recording_that_is_played(run: 
     old_ns = time.time_ns() - round(HOUR_S * 1e9)
     assert told_age_s(running, view, time.time_ns(), "live") < 1.0
     assert told_age_s(running, view, old_ns, "played") == 0.0
-    health = Health(t_ns=old_ns, service="gps-ingest", version="0", started_ns=0)
+    health = Health(t_ns=old_ns, service="gps-ingest", version="0", started_ns=old_ns)
     running.put(health, "late", "gps-ingest")
     running.put(msgspec.structs.replace(health, recorded=True), "played", "play")
     deadline_s = time.monotonic() + WAIT_S
