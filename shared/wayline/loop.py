@@ -86,7 +86,7 @@ class Loop:
         self._publishers = Publishers(session)
         self._turned_s = self._as_of_s = time.monotonic()
         self._ahead = 0
-        """How many items are still to be taken of those that waited at `_as_of_s`."""
+        """How many of the items that waited at `_as_of_s` are still to be taken."""
         self._health: Health | None = None
         self._last_drop_count = 0
 

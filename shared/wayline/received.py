@@ -57,7 +57,7 @@ def in_order(order: int, recording: Recording) -> Iterator[Received]:
 
 
 def source_names(service: str) -> Iterator[str]:
-    """`gps-ingest`, `gps-ingest-2`, ..."""
+    """Names on the bus of a service's sources: `gps-ingest`, `gps-ingest-2`, ..."""
     yield service
     for number in itertools.count(2):
         yield f"{service}-{number}"

@@ -53,7 +53,7 @@ class RerunSettings(Strict, frozen=True, kw_only=True):
     memory_limit: str = "256MB"
     """What late viewers can still see."""
     record: str | None = None
-    """Also write an .rrd file there."""
+    """File (.rrd) that the live view is also written to."""
 
 
 class Settings(Strict, frozen=True, kw_only=True):

@@ -55,9 +55,9 @@ class Fed:
     echo_sent_s: dict[int, float] = field(default_factory=dict)
     """By the message's number."""
     core_shares: list[float] = field(default_factory=list)
-    """CPU seconds a second, each round."""
+    """CPU seconds a second of the receivers' process, each round."""
     idle_shares: list[float] = field(default_factory=list)
-    """The same while the receivers were silent."""
+    """CPU seconds a second while the receivers were silent, each round."""
     bare_shares: list[float] = field(default_factory=list)
     """What `pynmea2.parse` alone spent on the same bursts at the same pace."""
 

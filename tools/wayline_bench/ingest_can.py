@@ -125,7 +125,7 @@ def translate(core: CanIngestCore, frames: Sequence[Frame]) -> None:
 
 
 def publish(core: CanIngestCore, frames: Sequence[Frame]) -> None:
-    """The same with the messages encoded as they go on the bus."""
+    """Frames to messages, encoded as they go on the bus."""
     for frame in frames:
         for message in core.handle(frame, "bench"):
             encode(message)

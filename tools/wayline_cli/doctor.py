@@ -31,7 +31,7 @@ def doctor(
 ) -> Sequence[Check]:
     """Every check, the configuration's first; without a file, of a machine on its defaults.
 
-    Nothing is written or started. `wayline_cli.check.is_well` is the verdict on all of them.
+    Nothing is written or started. `wayline_cli.check.is_well` judges all of them.
     """
     try:
         settings = load_settings(config) if config else overridden(Settings(), environment)

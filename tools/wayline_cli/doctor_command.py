@@ -48,7 +48,7 @@ def doctor_command(
     table = Table("", "", "found", "to mend", box=None, header_style="bold", pad_edge=False)
     marks = {"fine": "[green]ok[/]", "note": "[yellow]note[/]", "wrong": "[red]wrong[/]"}
     for check in checks:
-        mark = marks[check.verdict.value]
+        mark = marks[check.mark.value]
         table.add_row(mark, check.subject, escape(check.finding), escape(check.mend))
     Console().print(table)
     raise typer.Exit(0 if is_well(checks) else 1)

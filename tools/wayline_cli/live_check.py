@@ -46,9 +46,9 @@ class LiveReport(msgspec.Struct, frozen=True, kw_only=True):
     published: Counts
     """Sensor messages by topic that a listener heard."""
     lost: Counts
-    """Those of the replay that it did not hear, compared by their instants."""
+    """Sensor messages of the replay that the listener did not hear, compared by their instants."""
     fusion_lost: Counts
-    """Those of the replay that fusion did not hear; negative: it heard some twice."""
+    """Sensor messages of the replay that fusion did not hear; negative: it heard some twice."""
     dropped: int
     """What fusion itself counted as dropped."""
     poses: int

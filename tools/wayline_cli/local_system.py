@@ -48,7 +48,7 @@ class LocalSystem:
                 process.wait()
 
     def write_config(self, name: str, **options: object) -> Path:
-        """Another configuration on the same bus and ports; its path."""
+        """Write another configuration on this system's bus and ports; its path."""
         # JSON's strings, booleans and lists are TOML's
         lines = [f"{key} = {json.dumps(value)}" for key, value in options.items()]
         lines += ["[bus]", f"connect = {json.dumps(self.bus.connect)}"]

@@ -25,7 +25,7 @@ class SensedMotion:
     """Negative in reverse."""
     speeds_mps: Floats
     steady_s: Floats
-    """How long the wheel speed has read and will read the same."""
+    """How long the wheel speed has had its reading and will keep it."""
     standing: NDArray[np.bool_]
 
 

@@ -54,12 +54,12 @@ class StudyDrive(NamedTuple):
 
 
 def first_seed(scenario: str) -> int:
-    """The same on every machine."""
+    """The first of a scenario's seeds, alike on every machine."""
     return 1000 + zlib.crc32(scenario.encode()) % SEEDS
 
 
 def study_drives(scenarios: list[str], seeds: int) -> list[StudyDrive]:
-    """So many drives of each scenario, more of those whose outages are pooled."""
+    """`seeds` drives of each scenario, more of a scenario whose outages are pooled."""
     return [
         StudyDrive(scenario, first_seed(scenario) + number, plan)
         for scenario in scenarios

@@ -44,7 +44,7 @@ class SensorColumn(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class SensorReport(msgspec.Struct, frozen=True, kw_only=True):
-    """The drives pooled, then each of those beside them."""
+    """What the drives' sensors are like: all drives pooled, then each drive."""
 
     columns: tuple[SensorColumn, ...]
 

@@ -42,7 +42,7 @@ class YardstickStates(IntEnum):
 
 S = YardstickStates
 WHEELS = (S.WHEEL_SCALE, S.WHEEL_WANDER, S.WHEEL_SLIP)
-"""Their sum is true over measured."""
+"""States whose sum is the true speed over the measured one."""
 BIASES = (S.GYRO_BIAS, S.GYRO_WANDER, S.GYRO_ROUNDING)
 """In deg/s, beside what comes of warmth."""
 

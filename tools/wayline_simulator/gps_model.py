@@ -47,9 +47,9 @@ class GpsModel(Strict, frozen=True, kw_only=True):
     """Doppler, per horizontal axis; speed and course are both made of it. Data sheet of u-blox M8:
     0.05 m/s in half of the cases; css-164: 0.04 by third differences of its speed."""
     velocity_rest_std_mps: NotNegative = 0.012
-    """The same at rest: css-164's median speed while standing is 0.010 to 0.014 m/s."""
+    """Doppler at rest, per horizontal axis: css-164's median speed is then 0.010 to 0.014 m/s."""
     course_min_mps: NotNegative = 0.5
-    """Slower, the receiver knows no course; Munich's is blank below 1 to 2 km/h."""
+    """At lower speeds the receiver knows no course; Munich's is blank below 1 to 2 km/h."""
     course_at_rest: Literal["blank", "held"] = "blank"
     """css-164's holds its last one."""
     latency_s: NotNegative = 0.0

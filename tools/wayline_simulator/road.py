@@ -40,11 +40,11 @@ LEAST_LENGTHS_M = {
     "hills": 4_000.0,
     "eight": 1_500.0,
 }
-"""So that a motorway has its ramps and a loop room for its bends."""
+"""Lengths that a motorway needs for its ramps and a loop for its bends."""
 TUNNELS_M = {"motorway": MOTORWAY.tunnels_m, "urban": (120.0, 450.0)}
 
 GENTLER = ("main", "hills", "urban")
-"""The others cross themselves, and must keep their heights."""
+"""Kinds whose relief may be less; a road of any other kind crosses itself and keeps its heights."""
 
 
 def make_course(road: RoadModel, seed: int, folder: Path = Path()) -> Course:

@@ -48,7 +48,7 @@ RELIEF = Relief(0.05, 0.45, 120.0, 350.0, 700.0, 1300.0, 15.0)
 
 
 def town_road(length_m: float, random: np.random.Generator) -> RoadPlan:
-    """Through a town from one end to the other."""
+    """A road through a town from one end to the other."""
     curvature = sample(_with_roundabouts(_blocks(length_m, random), random))
     plan = bare_plan(curvature, rolling_grade(len(curvature), RELIEF, random), LIMITS_MPS[-1])
     _furnish(plan, random)

@@ -60,7 +60,7 @@ class Link(Protocol):
     """Where lines come from."""
 
     patience_s: float
-    """It is opened anew when it is silent for longer."""
+    """A link that is silent for longer is opened anew."""
 
     def read(self) -> Heard:
         """What has come within `READ_S`. Raises OSError at its end."""

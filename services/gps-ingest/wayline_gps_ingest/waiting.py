@@ -32,7 +32,7 @@ class WaitingRoom:
         self._epochs.append(epoch)
 
     def release(self, now_ns: int) -> list[tuple[Epoch, int]]:
-        """Those of the last seconds before an instant whose day is known, with their instants."""
+        """Epochs of the last seconds before an instant whose day is known, and their instants."""
         recent: list[tuple[Epoch, int]] = []
         for epoch in self._epochs:
             t_ns = nearest_ns(epoch.time_ns or 0, now_ns)
