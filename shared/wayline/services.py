@@ -12,11 +12,11 @@ class Replayed(Enum):
     """How a service takes part when a drive is replayed in one process."""
 
     AS_SOURCE = "recorded"
-    """Its module `recorded` has `recordings(drive, where) -> list[Recording]`."""
+    """The service's module `recorded` has `recordings(drive, where) -> list[Recording]`."""
     AS_NODE = "replayed"
-    """Its module `replayed` has `node(replay: ReplayedDrive) -> Node`."""
+    """The service's module `replayed` has `node(replay: ReplayedDrive) -> Node`."""
     NOT = None
-    """It publishes nothing that is kept."""
+    """The service publishes nothing that is kept."""
 
 
 class Tables(NamedTuple):
@@ -34,7 +34,7 @@ class ServiceRow(NamedTuple):
     port: int
     """Where its HTTP listens if the configuration names no other port (SPEC section 5)."""
     modules: tuple[str, ...]
-    """What it imports that the extra of its name installs."""
+    """What the service imports that the extra of its name installs."""
     replayed: Replayed
     tables: Tables | None = None
     shows: str | None = None

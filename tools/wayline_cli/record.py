@@ -31,7 +31,7 @@ class Recorded(NamedTuple):
     missed: int
     """Lost on the way and not recovered."""
     refused: int
-    """Not a message of their topic."""
+    """Samples that were no message of their topic."""
 
 
 def record(

@@ -106,7 +106,7 @@ def _open_recording(path: Path, routes: Mapping[str, Route]) -> "RerunRecording"
 
 
 def is_drive(source: Path) -> bool:
-    """Whether it is a drive's folder or its `drive.toml`."""
+    """Whether a source is a drive's folder or its `drive.toml`."""
     return source.suffix == ".toml" or (source / "drive.toml").exists()
 
 

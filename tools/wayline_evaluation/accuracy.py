@@ -40,7 +40,7 @@ class Accuracy(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class DriveAccuracy(msgspec.Struct, frozen=True, kw_only=True):
-    """Of one drive, or of all of them pooled."""
+    """Accuracy of one drive, or of all drives pooled."""
 
     drive: str
     reference: Kind

@@ -186,7 +186,7 @@ def _tell(tables: "Iterable[Table]", report: "msgspec.Struct", json: Path | None
 
 @contextmanager
 def progress(what: str = "replays") -> Iterator[Callable[[int, int], None]]:
-    """How many of them are done, on a terminal."""
+    """Shows on a terminal how many of several pieces of work are done."""
     console = Console(stderr=True)
     columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(

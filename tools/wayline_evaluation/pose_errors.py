@@ -24,7 +24,7 @@ class PoseErrors:
     along_track_m: Floats
     """Positive ahead of the truth."""
     cross_track_m: Floats
-    """Positive right of it."""
+    """Positive right of the truth."""
     heading_deg: Floats
     speed_mps: Floats
     alt_m: Floats

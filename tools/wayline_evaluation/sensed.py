@@ -63,7 +63,7 @@ def sensed_of(messages: Iterable[Message]) -> Sensed:
 
 
 def without_fixes(sensed: Sensed, outages: Sequence[Outage]) -> Sensed:
-    """The same drive with GPS taken away; the receiver itself was never blind then."""
+    """A drive with GPS taken away; the receiver itself was never blind then."""
     since_s = np.array([fix.t_ns for fix in sensed.fixes], dtype=np.float64) * 1e-9 - sensed.start_s
     kept = np.ones(len(sensed.fixes), dtype=np.bool_)
     for start_s, length_s in outages:
@@ -73,7 +73,7 @@ def without_fixes(sensed: Sensed, outages: Sequence[Outage]) -> Sensed:
 
 
 def without_speeds(sensed: Sensed, spoilt: NDArray[np.bool_]) -> Sensed:
-    """The same drive with some of the wheels' speeds left out, shape (n,)."""
+    """A drive with some of the wheels' speeds left out, shape (n,)."""
     wheels = sensed.speed_mps
     kept = Series(wheels.times_s[~spoilt], wheels.values[~spoilt])
     return replace(sensed, speed_mps=kept)

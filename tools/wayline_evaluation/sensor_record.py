@@ -47,7 +47,7 @@ class SensorRecord:
     odometer: Series
     barometer: Series
     rests: tuple[Span, ...]
-    """When it stood."""
+    """When the vehicle stood."""
     has_truth: bool
     facts: Facts | None
     """Of a simulated drive."""

@@ -48,7 +48,7 @@ BIASES = (S.GYRO_BIAS, S.GYRO_WANDER, S.GYRO_ROUNDING)
 
 
 def rounding_std_degps(gyro: GyroModel) -> float:
-    """Of what rounding adds to a moving gyro's mean as long as the rate does not change.
+    """Std of what rounding adds to a moving gyro's mean as long as the rate does not change.
 
     First harmonic of a quantiser's error under Gaussian dither (Widrow and Kollar, Quantization
     Noise): much noise leaves nothing of it.

@@ -51,7 +51,7 @@ class DriverModel(Strict, frozen=True, kw_only=True):
     spin_probability: Share = 0.01
     """That the driven wheels spin at a launch; 0.2 on snow. Judgement."""
     lock_probability: Share = 0.01
-    """That they lock for a moment in a braking; 0.2 on snow. Judgement."""
+    """That wheels lock for a moment in a braking; 0.2 on snow. Judgement."""
 
 
 def drawn(driver: DriverModel, random: np.random.Generator) -> DriverModel:

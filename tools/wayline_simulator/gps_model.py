@@ -71,13 +71,13 @@ class GpsModel(Strict, frozen=True, kw_only=True):
     """Std of the position error that a cold start begins with; altitude three times as bad.
     css-164: altitude off by 72 m, its receiver reports stds of 36 and 92 m."""
     first_error_time_s: Positive = 12.0
-    """In which it falls to a third (css-164)."""
+    """Time in which a cold start's error falls to a third (css-164)."""
     reacquire_s: NotNegative = 1.5
-    """After the sky is seen again, on average; data sheet of u-blox M8: 1 s."""
+    """Time to a fix after the sky is seen again, on average; data sheet of u-blox M8: 1 s."""
     reacquire_error_m: NotNegative = 4.0
     """Std of what the first fix after a long blindness has on top. A judgement."""
     reacquire_error_time_s: Positive = 5.0
-    """In which it falls to a third. A judgement."""
+    """Time in which the error after a long blindness falls to a third. A judgement."""
     reported_std_factor: Positive = 1.0
     """The stds in GST are the true ones times this."""
     reflection_std_m: NotNegative = 30.0

@@ -29,7 +29,7 @@ ROUNDABOUT_SHARE = 0.12
 """Of the straights that are long enough."""
 ROUNDABOUT_RAD = math.radians(40.0)
 ROUNDABOUT_RADIUS_M = 15.0
-"""Of the path round a single-lane one with 30 m of outer diameter, and into and out of it."""
+"""Of the path into, round and out of a single-lane roundabout with 30 m of outer diameter."""
 LIGHT_M = (180.0, 450.0)
 LIGHT_S = 45.0
 LIMITS_MPS = (30.0 * KMH, 40.0 * KMH, 50.0 * KMH)

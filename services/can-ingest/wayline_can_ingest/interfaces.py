@@ -51,7 +51,7 @@ class Interface:
 
     @property
     def condition(self) -> BusCondition:
-        """How it does now."""
+        """How the interface does now."""
         reader, ear = self._reader, self._ear
         now_s = time.monotonic()
 
@@ -76,7 +76,7 @@ class Interface:
 
     @property
     def detail(self) -> str:
-        """How it does, for `health`."""
+        """How the interface does, for `health`."""
         return self.condition.text
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:

@@ -44,7 +44,7 @@ class Receiver:
 
     @property
     def condition(self) -> Condition:
-        """How it does now."""
+        """How the receiver does now."""
         link = self._link
         now_s = time.monotonic()
 
@@ -64,7 +64,7 @@ class Receiver:
 
     @property
     def detail(self) -> str:
-        """How it does, for `health`."""
+        """How the receiver does, for `health`."""
         return self.condition.text
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:

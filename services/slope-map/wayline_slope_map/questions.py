@@ -78,7 +78,7 @@ class ProfileParameters(StretchParameters, frozen=True, kw_only=True):
     step_m: StepM | UnsetType = UNSET
 
     def distances_m(self, road: Road) -> Sequence[float]:
-        """Of the points along a road's line, none beyond its end.
+        """Distances of the points along a road's line, none beyond its end.
 
         Raises QueryError (422) for too many of them.
         """
