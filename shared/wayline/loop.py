@@ -204,6 +204,8 @@ class Loop:
         elif isinstance(item, Raw):
             self._take_raw(item, now_s)
         elif self._service.watch_alive is not None:
+            if item.vehicle_id != FLEET:
+                self._attendance.hear(item.vehicle_id, now_s)
             self._service.watch_alive(item.vehicle_id, item.service, item.up)
 
     def _take_sample(self, sample: Sample, now_s: float) -> None:

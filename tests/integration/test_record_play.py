@@ -21,7 +21,7 @@ from wayline.errors import InputError
 from wayline.inbox import Inbox, Sample
 from wayline.keys import message_key
 from wayline.mcap_log import McapWriter, is_finished, read_messages, read_records
-from wayline.messages import TOPICS, Message, Pose
+from wayline.messages import TOPICS, Health, Message, Pose
 from wayline.router import open_router
 from wayline.settings import BusSettings
 from wayline_cli.play import Played, play, play_records
@@ -143,6 +143,7 @@ def recorded_samples(
 
 
 KEY = message_key("bus-7", "gyro", "test")
+PLAYER = message_key("bus-7", "health", "play")
 
 
 def test_what_is_no_message_is_counted_and_not_recorded(
@@ -192,9 +193,15 @@ def test_playing_restores_keys_payloads_and_order(
 ) -> None:
     path = recorded_file(tmp_path / "a.mcap")
     samples: queue.SimpleQueue[tuple[str, bytes]] = queue.SimpleQueue()
-    subscription = Subscription(
-        session, ["bus-7"], TOPICS, lambda key, payload: samples.put((key, payload))
-    )
+    told: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+
+    def hear(key: str, payload: bytes) -> None:
+        if key == PLAYER:
+            told.put(payload)
+        else:
+            samples.put((key, payload))
+
+    subscription = Subscription(session, ["bus-7"], TOPICS, hear)
     played = play(path, bus, speed=20.0)
     expected = [(key, payload) for _, key, payload in read_records(path)]
     found = [samples.get(timeout=WAIT_S) for _ in expected]
@@ -202,6 +209,23 @@ def test_playing_restores_keys_payloads_and_order(
     assert played == Played(len(expected), about(6.0), complete=True)
     for name in dict(expected):
         assert [x for x in found if x[0] == name] == [x for x in expected if x[0] == name]
+    # readers are told that the vehicle's times are a recording's, and when it is over
+    healths = [decode("health", told.get(timeout=WAIT_S)) for _ in range(told.qsize())]
+    recorded = [health.recorded for health in healths if isinstance(health, Health)]
+    assert recorded == [True] * (len(recorded) - 1) + [False]
+    assert len(recorded) > 1
+
+
+def test_a_recording_from_before_the_bus_moved_is_played_under_the_keys_of_today(
+    tmp_path: Path,
+) -> None:
+    path, payload = tmp_path / "a.mcap", encode(gyro(1, 0))
+    with McapWriter(path) as writer:
+        writer.write_payload("wayline/@v1/bus-7/gyro/test", "gyro", payload, at(1), at(1))
+    put: list[tuple[str, str, str, bytes]] = []
+    play_records(read_records(path), lambda *each: put.append(each), Ending(), speed=1.0)
+    assert put == [("bus-7", "gyro", "test", payload)]
+    assert [message for _, _, message in read_messages(path)] == [gyro(1, 0)]
 
 
 def test_a_late_joiner_gets_the_last_played_pose(

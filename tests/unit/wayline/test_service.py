@@ -362,6 +362,8 @@ def test_what_only_a_view_reads_is_heard_and_does_not_reach_the_core(run: Run) -
     running.put(Pose(t_ns=at(0), mode="starting"))
     while (found := told.get(timeout=WAIT_S)) != ("bus-7", "pose", "test"):
         assert found == ("bus-7", "health", "echo")
+    running.await_health(lambda health: health.in_rate_hz == 0.0)
+    running.end()
 
 
 def test_a_service_without_a_core_only_shows(run: Run) -> None:
