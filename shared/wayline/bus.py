@@ -21,7 +21,7 @@ HEARTBEAT_MIN_S = 1.0
 HEARTBEAT_MESSAGES = 5.0
 """A heartbeat for every so many messages: the next message tells of a loss sooner than it does."""
 SLOWEST_FAST_HZ = 5.0
-"""Topics above this rate are streams; the others are states, whose newest value joiners get."""
+"""Topics above this rate are streams; slower ones are states, whose newest value joiners get."""
 CACHED_S = 3.0
 """Seconds of a stream that can be recovered after a loss."""
 

@@ -20,6 +20,7 @@ from wayline import __version__
 from wayline.attendance import Attendance
 from wayline.bus import Publishers, Subscription, open_session
 from wayline.codec import decode, encode
+from wayline.ending import Ending, ending_on_signals, unless_ended
 from wayline.http import Healthz
 from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
@@ -31,7 +32,6 @@ from wayline.receipts import Receipts
 from wayline.seats import Seat, Seats
 from wayline.service import Feed, Service
 from wayline.settings import EVERY_VEHICLE, Settings
-from wayline.stop import Stop, stop_on_signals, unless_stopped
 from wayline.telemetry import Telemetry
 from wayline.view import Receipt
 
@@ -47,10 +47,10 @@ def run(service: Service, settings: Settings) -> None:
     """Run a service until SIGTERM or Ctrl-C. Raises InputError for bad configuration."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(name)s %(message)s")
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
-    with stop_on_signals() as stop:
-        session = unless_stopped(
+    with ending_on_signals() as ending:
+        session = unless_ended(
             lambda: open_session(settings.bus),
-            stop,
+            ending,
             patience_s=1.0,
             waiting=lambda: log.info("waiting for a router at %s", ", ".join(settings.bus.connect)),
         )
@@ -58,7 +58,7 @@ def run(service: Service, settings: Settings) -> None:
             return
         with session:
             log.info("%s %s started", service.name, __version__)
-            Loop(service, settings, session, stop).run()
+            Loop(service, settings, session, ending).run()
     log.info("%s stopped", service.name)
 
 
@@ -70,11 +70,11 @@ class Loop:
         service: Service,
         settings: Settings,
         session: zenoh.Session,
-        stop: Stop,
+        ending: Ending,
         inbox: Inbox | None = None,
     ) -> None:
         self._service, self._settings, self._session = service, settings, session
-        self._stop = stop
+        self._ending = ending
         self._ended = threading.Event()
         """Tells the feeds' threads to end; set too when one of them cannot go on."""
         self._feeds: list[Future[None]] = []
@@ -86,7 +86,7 @@ class Loop:
         self._publishers = Publishers(session)
         self._turned_s = self._as_of_s = time.monotonic()
         self._ahead = 0
-        """How many items are still to be taken of those that waited at `_as_of_s`."""
+        """How many of the items that waited at `_as_of_s` are still to be taken."""
         self._health: Health | None = None
         self._last_drop_count = 0
 
@@ -98,7 +98,7 @@ class Loop:
         with contextlib.ExitStack() as stack:
             self._open(stack)
             next_health_s = time.monotonic()
-            while not (self._stop.requested or self._ended.is_set()):
+            while not (self._ending.requested or self._ended.is_set()):
                 item = self._inbox.get(POLL_S)
                 now_s = self._turned_s = time.monotonic()
                 if item is not None:

@@ -16,9 +16,10 @@ from street import ROUTE, VEHICLE, Receiver
 from wayline.bus import open_session
 from wayline.keys import query_key
 from wayline.messages import Arrivals, Health, Horizon, Pose, Progress
+from wayline.services import SERVICES
 from wayline_cli.listener import Heard, Listener
 from wayline_cli.live_check import check_live
-from wayline_cli.local_system import SERVICES, LocalSystem
+from wayline_cli.local_system import LocalSystem
 
 WAIT_S = 15.0
 STATES = ("pose", "progress", "arrivals", "horizon")

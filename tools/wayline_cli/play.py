@@ -13,12 +13,12 @@ import zenoh
 from wayline import __version__
 from wayline.bus import QOS, Publishers
 from wayline.codec import encode
+from wayline.ending import Ending, ending_on_signals
 from wayline.errors import InputError
 from wayline.keys import alive_key, parse_key
 from wayline.mcap_log import is_finished, read_records
 from wayline.messages import Health
 from wayline.settings import BusSettings
-from wayline.stop import Stop, stop_on_signals
 from wayline_cli.session import open_or_stop
 
 NAME = "play"
@@ -56,17 +56,17 @@ def play(
     if not (speed > 0.0 and math.isfinite(speed)):
         raise InputError("--speed", f"{speed} is no speed", "give a number above 0, e.g. 5")
     complete = is_finished(path)
-    with stop_on_signals() as stop:
-        session = open_or_stop(settings, stop, say)
+    with ending_on_signals() as ending:
+        session = open_or_stop(settings, ending, say)
         if session is None:
             return Played(0, 0.0, complete)
         with session:
             say(f"playing {path}")
             publishers = Publishers(session)
             player = Player(publishers.put, lambda vehicle_id: announced(session, vehicle_id))
-            count, seconds = play_records(read_records(path), player.put, stop, speed=speed)
+            count, seconds = play_records(read_records(path), player.put, ending, speed=speed)
             # readers that lost the last samples ask for them at the next heartbeats
-            stop.wait(player.heartbeat_s + ASK_S)
+            ending.wait(player.heartbeat_s + ASK_S)
             player.close()
             publishers.close()
             return Played(count, seconds, complete)
@@ -122,7 +122,7 @@ class Player:
 
 
 def play_records(
-    records: Iterable[tuple[int, str, bytes]], put: Put, stop: Stop, *, speed: float
+    records: Iterable[tuple[int, str, bytes]], put: Put, ending: Ending, *, speed: float
 ) -> tuple[int, float]:
     """Put records (log_time_ns, key, payload) when they are due; number and seconds of them.
 
@@ -134,7 +134,7 @@ def play_records(
         if count == 0:
             first_ns = log_time_ns
         due_s = started_s + (log_time_ns - first_ns) / 1e9 / speed
-        if stop.wait(due_s - time.monotonic()):
+        if ending.wait(due_s - time.monotonic()):
             break
         parts = parse_key(key)
         if parts is not None:

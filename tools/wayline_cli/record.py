@@ -10,6 +10,7 @@ import msgspec
 import zenoh
 
 from wayline.codec import decode
+from wayline.ending import Ending, ending_on_signals
 from wayline.errors import InputError
 from wayline.inbox import Inbox, Sample
 from wayline.keys import parse_key
@@ -17,7 +18,6 @@ from wayline.loop import Loop
 from wayline.mcap_log import McapWriter
 from wayline.service import Service
 from wayline.settings import EVERY_VEHICLE, BusSettings, Settings
-from wayline.stop import Stop, stop_on_signals
 from wayline_cli.session import open_or_stop
 
 
@@ -31,7 +31,7 @@ class Recorded(NamedTuple):
     missed: int
     """Lost on the way and not recovered."""
     refused: int
-    """Not a message of their topic."""
+    """Samples that were no message of their topic."""
 
 
 def record(
@@ -46,13 +46,13 @@ def record(
     Raises InputError where the file or the bus cannot be opened or the disk is full.
     """
     try:
-        with McapWriter(path) as writer, stop_on_signals() as stop:
-            session = open_or_stop(settings, stop, say)
+        with McapWriter(path) as writer, ending_on_signals() as ending:
+            session = open_or_stop(settings, ending, say)
             if session is None:
                 return Recorded({}, 0, 0, 0)
             with session:
                 say(f"recording to {path}")
-                return record_bus(session, writer, stop, seconds=seconds)
+                return record_bus(session, writer, ending, seconds=seconds)
     except OSError as error:
         what = f"cannot be written ({error.strerror})"
         raise InputError(str(path), what, "make room on that disk") from None
@@ -61,7 +61,7 @@ def record(
 def record_bus(
     session: zenoh.Session,
     writer: McapWriter,
-    stop: Stop,
+    ending: Ending,
     *,
     seconds: float | None = None,
     inbox: Inbox | None = None,
@@ -69,8 +69,8 @@ def record_bus(
     """Write what arrives on a session; what has arrived when it ends is still written."""
     log = Log(writer)
     service = Service("record", take_sample=log.write, is_announced=False)
-    loop = Loop(service, Settings(vehicles=(EVERY_VEHICLE,)), session, stop, inbox)
-    timer = threading.Timer(seconds or 0.0, stop.request)
+    loop = Loop(service, Settings(vehicles=(EVERY_VEHICLE,)), session, ending, inbox)
+    timer = threading.Timer(seconds or 0.0, ending.request)
     if seconds is not None:
         timer.start()
     try:
