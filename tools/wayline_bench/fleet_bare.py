@@ -13,10 +13,10 @@ import msgspec
 import zenoh
 
 from wayline.bus import open_session
+from wayline.ending import ending_on_signals
 from wayline.keys import Key, message_key
 from wayline.messages import Pose
 from wayline.settings import BusSettings
-from wayline.stop import stop_on_signals
 
 READY = "listening"
 SOURCE = "bare"
@@ -85,7 +85,7 @@ def main() -> None:
     part = msgspec.json.decode(sys.argv[2], type=Part)
     heard: queue.SimpleQueue[str] = queue.SimpleQueue()
     with (
-        stop_on_signals() as stop,
+        ending_on_signals() as ending,
         open_session(BusSettings(connect=(sys.argv[1],))) as session,
         contextlib.closing(BarePublishers(session)) as publishers,
         contextlib.ExitStack() as stack,
@@ -97,7 +97,7 @@ def main() -> None:
             stack.callback(subscriber.undeclare)
         print(READY, flush=True)
         listener = BareListener(part, publishers.put)
-        while not stop.requested:
+        while not ending.requested:
             with contextlib.suppress(queue.Empty):
                 listener.take(heard.get(timeout=POLL_S))
     print(msgspec.json.encode(listener.counts).decode(), flush=True)
