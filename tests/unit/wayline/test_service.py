@@ -491,7 +491,7 @@ def test_of_a_silent_vehicle_nothing_is_said_any_more(
     )
 
     class Patient(Echo):
-        period_ns = None
+        period_ns: ClassVar[int | None] = None
 
     running = run(Service("echo", lambda *_: Node("echo", Patient()), Echo.reads), ALL)
     running.await_start()
