@@ -9,12 +9,12 @@ import zenoh
 
 from wayline.bus import Publishers
 from wayline.codec import encode
+from wayline.ending import Ending
 from wayline.keys import FLEET
 from wayline.loop import Loop
 from wayline.messages import Health, Message, Odometer
 from wayline.service import Service
 from wayline.settings import Settings
-from wayline.stop import Stop
 from wayline_cli.listener import Listener
 
 WAIT_S = 10.0
@@ -36,12 +36,12 @@ class Running:
 
     def __init__(self, session: zenoh.Session, service: Service, settings: Settings) -> None:
         self._threads = ThreadPoolExecutor(1)
-        self._stop = Stop()
+        self._ending = Ending()
         self._publishers = Publishers(session)
         home = settings.vehicle_id or FLEET
         self.listener = Listener(session, "*", TOPICS)
         self._ended: Future[None] = self._threads.submit(
-            Loop(service, settings, session, self._stop).run
+            Loop(service, settings, session, self._ending).run
         )
         self.home = home
 
@@ -71,7 +71,7 @@ class Running:
 
     def end(self) -> None:
         """Stop the loop; raises what it raised."""
-        self._stop.request()
+        self._ending.request()
         self._ended.result(WAIT_S)
 
     def result(self) -> None:
@@ -79,7 +79,7 @@ class Running:
         self._ended.result(WAIT_S)
 
     def close(self) -> None:
-        self._stop.request()
+        self._ending.request()
         self._threads.shutdown()
         self._publishers.close()
         self.listener.close()

@@ -2,7 +2,6 @@
 
 import datetime as dt
 import time
-from collections.abc import Callable
 
 EARLIEST_NS = int(dt.datetime(2026, 11, 1, tzinfo=dt.UTC).timestamp()) * 1_000_000_000
 """This program is younger; a clock without a battery starts in 1970 or at its last shutdown."""
@@ -15,20 +14,15 @@ class HostClock:
     of the two is told: a step forward of the one or a correction of the other ages no message.
     """
 
-    def __init__(
-        self,
-        wall_ns: Callable[[], int] = time.time_ns,
-        monotonic_ns: Callable[[], int] = time.monotonic_ns,
-    ) -> None:
-        self._wall_ns, self._monotonic_ns = wall_ns, monotonic_ns
+    def __init__(self) -> None:
         self._offset_ns: int | None = None
 
     def now_ns(self) -> int | None:
         """Nanoseconds since 1970; None while the clock is not plausible."""
-        wall_ns = self._wall_ns()
+        wall_ns = time.time_ns()
         if wall_ns < EARLIEST_NS:
             return None
-        monotonic_ns = self._monotonic_ns()
+        monotonic_ns = time.monotonic_ns()
         if self._offset_ns is None:
             self._offset_ns = wall_ns - monotonic_ns
         return min(wall_ns, self._offset_ns + monotonic_ns)

@@ -18,7 +18,7 @@ class Sample(NamedTuple):
     received_ns: int
     """Unix time."""
     heard_ns: int = 0
-    """The same instant by the monotonic clock."""
+    """The instant of receipt by the monotonic clock."""
 
 
 class Raw(NamedTuple):

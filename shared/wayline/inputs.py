@@ -24,7 +24,7 @@ class Sentence(msgspec.Struct, frozen=True):
     `arrival_ns` is when it was received; None in a log without times.
     """
 
-    arrival_ns: int | None
+    received_ns: int | None
     text: str
 
 

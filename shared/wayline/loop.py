@@ -20,6 +20,7 @@ from wayline import __version__
 from wayline.attendance import Attendance
 from wayline.bus import Publishers, Subscription, open_session
 from wayline.codec import decode, encode
+from wayline.ending import Ending, ending_on_signals, unless_ended
 from wayline.http import Healthz
 from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
@@ -31,12 +32,13 @@ from wayline.receipts import Receipts
 from wayline.seats import Seat, Seats
 from wayline.service import Feed, Service
 from wayline.settings import EVERY_VEHICLE, Settings
-from wayline.stop import Stop, stop_on_signals, unless_stopped
 from wayline.telemetry import Telemetry
 from wayline.view import Receipt
 
 POLL_S = 0.05
 HEALTH_S = 1.0
+QUIET_S = 30.0
+"""A vehicle that is not heard so long has no publishers, whose heartbeats would go on."""
 STUCK_S = 10.0
 """A loop that has not turned this long is not well."""
 
@@ -47,10 +49,10 @@ def run(service: Service, settings: Settings) -> None:
     """Run a service until SIGTERM or Ctrl-C. Raises InputError for bad configuration."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(name)s %(message)s")
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
-    with stop_on_signals() as stop:
-        session = unless_stopped(
+    with ending_on_signals() as ending:
+        session = unless_ended(
             lambda: open_session(settings.bus),
-            stop,
+            ending,
             patience_s=1.0,
             waiting=lambda: log.info("waiting for a router at %s", ", ".join(settings.bus.connect)),
         )
@@ -58,7 +60,7 @@ def run(service: Service, settings: Settings) -> None:
             return
         with session:
             log.info("%s %s started", service.name, __version__)
-            Loop(service, settings, session, stop).run()
+            Loop(service, settings, session, ending).run()
     log.info("%s stopped", service.name)
 
 
@@ -70,11 +72,11 @@ class Loop:
         service: Service,
         settings: Settings,
         session: zenoh.Session,
-        stop: Stop,
+        ending: Ending,
         inbox: Inbox | None = None,
     ) -> None:
         self._service, self._settings, self._session = service, settings, session
-        self._stop = stop
+        self._ending = ending
         self._ended = threading.Event()
         """Tells the feeds' threads to end; set too when one of them cannot go on."""
         self._feeds: list[Future[None]] = []
@@ -86,7 +88,7 @@ class Loop:
         self._publishers = Publishers(session)
         self._turned_s = self._as_of_s = time.monotonic()
         self._ahead = 0
-        """How many items are still to be taken of those that waited at `_as_of_s`."""
+        """How many of the items that waited at `_as_of_s` are still to be taken."""
         self._health: Health | None = None
         self._last_drop_count = 0
 
@@ -98,7 +100,7 @@ class Loop:
         with contextlib.ExitStack() as stack:
             self._open(stack)
             next_health_s = time.monotonic()
-            while not (self._stop.requested or self._ended.is_set()):
+            while not (self._ending.requested or self._ended.is_set()):
                 item = self._inbox.get(POLL_S)
                 now_s = self._turned_s = time.monotonic()
                 if item is not None:
@@ -204,6 +206,8 @@ class Loop:
         elif isinstance(item, Raw):
             self._take_raw(item, now_s)
         elif self._service.watch_alive is not None:
+            if item.vehicle_id != FLEET:
+                self._attendance.hear(item.vehicle_id, now_s)
             self._service.watch_alive(item.vehicle_id, item.service, item.up)
 
     def _take_sample(self, sample: Sample, now_s: float) -> None:
@@ -279,7 +283,9 @@ class Loop:
         """Vehicles that nobody named have a seat as long as they are heard."""
         if EVERY_VEHICLE not in self._settings.served():
             return
-        for vehicle_id in self._attendance.silent(now_s - self._settings.forget_vehicle_after_s):
+        for vehicle_id in self._attendance.silent(now_s - QUIET_S):
+            self._publishers.forget(vehicle_id)
+        for vehicle_id in self._attendance.leave(now_s - self._settings.forget_vehicle_after_s):
             for seat in self._seats.leave(vehicle_id):
                 self._publish(seat, seat.finish())
             self._publishers.forget(vehicle_id)

@@ -1,4 +1,4 @@
-"""Reads a recorded NMEA 0183 log: text lines, plain or with the time of their arrival before them.
+"""Reads a recorded NMEA 0183 log: text lines, plain or with the time of their receipt before them.
 
 A log is read as bytes, because receivers mix binary messages in (see `wayline.framing`).
 """
@@ -11,7 +11,7 @@ from wayline.framing import split_sentences
 from wayline.inputs import Sentence
 from wayline.text_file import TextFile
 
-ARRIVAL = re.compile(r"(?:\xef\xbb\xbf)?(\d{1,12})(?:\.(\d{1,9})\d*)?\s+(?=[$!])")
+RECEIPT = re.compile(r"(?:\xef\xbb\xbf)?(\d{1,12})(?:\.(\d{1,9})\d*)?\s+(?=[$!])")
 """Seconds before a sentence; a byte order mark may stand before the first."""
 DATED = re.compile(
     rb"\$[A-Z]{2}(?:"
@@ -22,7 +22,7 @@ DATED = re.compile(
 
 
 class NmeaLog:
-    """A log, read once: its sentences in order, each with its arrival where the log holds it.
+    """A log, read once: its sentences in order, each with its receipt where the log holds it.
 
     Lines may end in CR LF, CR CR LF, CR or LF; the log may be a gzip file, UTF-16 or have a byte
     order mark. Comment lines (`#`) and bytes outside sentences are skipped. Raises InputError if
@@ -41,9 +41,9 @@ class NmeaLog:
         for line in _lines(self._file):
             text = line.decode("latin-1")
             if not text.startswith("#"):
-                arrival_ns = _arrival_ns(text)
+                received_ns = _received_ns(text)
                 for sentence in split_sentences(text):
-                    yield Sentence(arrival_ns, sentence)
+                    yield Sentence(received_ns, sentence)
 
 
 def read_sentences(path: Path) -> Iterator[Sentence]:
@@ -76,8 +76,8 @@ def _lines(file: TextFile) -> Iterator[bytes]:
         yield from filter(None, line.replace(b"\r", b"\n").split(b"\n"))
 
 
-def _arrival_ns(text: str) -> int | None:
-    found = ARRIVAL.match(text)
+def _received_ns(text: str) -> int | None:
+    found = RECEIPT.match(text)
     if not found:
         return None
     return int(found[1]) * 1_000_000_000 + int((found[2] or "").ljust(9, "0"))

@@ -1,4 +1,4 @@
-"""Runs one core: ticks on its grid, its records to its store, the store's answers back."""
+"""Pure: runs one core: ticks on its grid, its records to its store, the store's answers back."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -9,10 +9,11 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from browser.conftest import Stage, Watched
-from browser.shuttle import SECOND_NS, SERVICES
+from browser.shuttle import SECOND_NS
 from wayline.geo import step_between
 from wayline.keys import FLEET
 from wayline.messages import Health, Horizon, HorizonPoint
+from wayline.services import SERVICES
 
 TOKEN = "correct-horse-battery"
 

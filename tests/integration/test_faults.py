@@ -21,9 +21,10 @@ from street import ROUTE, SPEED_MPS, VEHICLE, Receiver
 from wayline.bus import Publishers, open_session
 from wayline.codec import encode
 from wayline.messages import FusionStatus, GpsFix, Gyro, Health, Odometer, Pose
+from wayline.services import SERVICES
 from wayline_cli.listener import Heard, Listener
 from wayline_cli.live_check import messages_in
-from wayline_cli.local_system import SERVICES, LocalSystem
+from wayline_cli.local_system import LocalSystem
 
 WAIT_S = 20.0
 POLL_S = 0.05

@@ -12,6 +12,7 @@ import msgspec
 import zenoh
 
 from wayline.codec import decode
+from wayline.ending import Ending, ending_on_signals
 from wayline.errors import InputError
 from wayline.inbox import Inbox, Sample
 from wayline.keys import parse_key
@@ -19,7 +20,6 @@ from wayline.loop import Loop
 from wayline.mcap_log import McapWriter
 from wayline.service import Service
 from wayline.settings import EVERY_VEHICLE, BusSettings, Settings
-from wayline.stop import Stop, stop_on_signals
 from wayline_cli.session import open_or_stop
 
 
@@ -33,7 +33,7 @@ class Recorded(NamedTuple):
     missed: int
     """Lost on the way and not recovered."""
     refused: int
-    """Not a message of their topic."""
+    """Samples that were no message of their topic."""
 
 
 def record(
@@ -53,14 +53,14 @@ def record(
     _check(path, seconds, force=force)
     ends_s = time.monotonic() + (threading.TIMEOUT_MAX if seconds is None else seconds)
     try:
-        with stop_on_signals() as stop, stopped_at(ends_s, stop):
-            session = open_or_stop(settings, stop, say)
+        with ending_on_signals() as ending, ended_at(ends_s, ending):
+            session = open_or_stop(settings, ending, say)
             if session is None:
                 _check_waited(settings, ends_s)
                 return Recorded({}, 0, 0, 0)
             with session, McapWriter(path) as writer:
                 say(f"recording to {path}")
-                return record_bus(session, writer, stop)
+                return record_bus(session, writer, ending)
     except OSError as error:
         what = f"cannot be written ({error.strerror})"
         raise InputError(str(path), what, "make room on that disk") from None
@@ -85,9 +85,9 @@ def _check_waited(settings: BusSettings, ends_s: float) -> None:
 
 
 @contextmanager
-def stopped_at(ends_s: float, stop: Stop) -> Iterator[None]:
-    """Requests the stop at a time of the monotonic clock, if the block runs so long."""
-    timer = threading.Timer(ends_s - time.monotonic(), stop.request)
+def ended_at(ends_s: float, ending: Ending) -> Iterator[None]:
+    """Requests the ending at a time of the monotonic clock, if the block runs so long."""
+    timer = threading.Timer(ends_s - time.monotonic(), ending.request)
     timer.daemon = True
     timer.start()
     try:
@@ -97,12 +97,12 @@ def stopped_at(ends_s: float, stop: Stop) -> Iterator[None]:
 
 
 def record_bus(
-    session: zenoh.Session, writer: McapWriter, stop: Stop, *, inbox: Inbox | None = None
+    session: zenoh.Session, writer: McapWriter, ending: Ending, *, inbox: Inbox | None = None
 ) -> Recorded:
     """Write what arrives on a session; what has arrived when it ends is still written."""
     log = Log(writer)
     service = Service("record", take_sample=log.write, is_announced=False)
-    loop = Loop(service, Settings(vehicles=(EVERY_VEHICLE,)), session, stop, inbox)
+    loop = Loop(service, Settings(vehicles=(EVERY_VEHICLE,)), session, ending, inbox)
     loop.run()
     return Recorded(dict(log.counts), loop.dropped, loop.lost, log.refused)
 

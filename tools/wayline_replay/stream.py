@@ -1,27 +1,26 @@
-"""A drive's messages in order of arrival, from all its recordings."""
+"""A drive's messages in order of receipt, from all its recordings."""
 
 import heapq
 from collections.abc import Iterator
 
-from wayline.arrival import Arrival, in_order
 from wayline.drive import Drive
-from wayline_can_ingest import recorded as can
-from wayline_gps_ingest import recorded as gps
+from wayline.received import Received, in_order
+from wayline_replay.parts import recordings
 
 
 class DriveStream:
-    """Iterates once over a drive's messages in order of arrival.
+    """Iterates once over a drive's messages in order of receipt.
 
     `where` names the drive file in errors. Raises InputError.
     """
 
     def __init__(self, drive: Drive, where: str) -> None:
-        self._recordings = [*gps.recordings(drive), *can.recordings(drive, where)]
+        self._recordings = recordings(drive, where)
 
-    def __iter__(self) -> Iterator[Arrival]:
+    def __iter__(self) -> Iterator[Received]:
         return heapq.merge(
             *(in_order(order, recording) for order, recording in enumerate(self._recordings)),
-            key=lambda arrival: arrival[:2],
+            key=lambda received: received[:2],
         )
 
     @property

@@ -3,10 +3,10 @@
 from argparse import Namespace
 from collections.abc import Callable
 
-from wayline.arrival import source_names
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.http import Healthz
 from wayline.node import Node
+from wayline.received import source_names
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import main as run_shell

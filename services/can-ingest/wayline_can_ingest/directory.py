@@ -29,7 +29,7 @@ class Known(NamedTuple):
 
 
 class Directory:
-    """Messages by name; of the same name in several parts the first one's."""
+    """Messages by name; where several databases have one of a name, the first database's."""
 
     def __init__(self, parts: Sequence[Part]) -> None:
         self._where = parts[0].where
@@ -62,7 +62,7 @@ class Directory:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Names like this one, or some of those there are."""
+    """Known names like a misspelt one, or some of the known names where none is like it."""
     names = sorted(known)
     near = difflib.get_close_matches(name, names, n=3, cutoff=0.5) or names[:8]
     return f"did you mean {', '.join(near)}?" if near else "name a dbc that has it"

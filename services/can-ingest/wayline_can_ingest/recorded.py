@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from wayline.arrival import Recording, source_names, translated
 from wayline.can_log import CanLog
 from wayline.drive import CanSource, Drive, Vehicle
+from wayline.received import Recording, source_names, translated
 from wayline_can_ingest.configured import load_mapping
 from wayline_can_ingest.core import CanIngestCore
 from wayline_can_ingest.utc import DriveClock
@@ -36,7 +36,7 @@ def _bus(
     has_own = source.clock is not None or source.clock_offset_s != 0.0
     core = _core(source, vehicle, where, DriveClock.of(source) if has_own else told)
     log = _log(source)
-    messages = translated(log, core.handle, name, lambda frame, _: core.arrival_ns(frame))
+    messages = translated(log, core.handle, name, lambda frame, _: core.received_ns(frame))
     return Recording(name, messages, lambda: core.bad_input + core.dropped + log.bad_input)
 
 

@@ -14,13 +14,13 @@ from prometheus_client.registry import Collector
 from starlette.exceptions import HTTPException
 from starlette.middleware.gzip import GZipMiddleware
 
-from wayline import __version__
 from wayline.drive import VehicleId
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, answers, create_app
+from wayline.http import Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters, read_parameters
-from wayline.route import Route, route_features
+from wayline.route import Route
+from wayline.route_file import route_features
 from wayline_dashboard.live_view import LiveView
 from wayline_dashboard.page import STATIC, add_page, is_page
 from wayline_dashboard.stream import stream
@@ -64,11 +64,10 @@ def create_dashboard(
     Raises InputError for settings that would be too open.
     """
     registry = registry or CollectorRegistry()
-    app = create_app(
-        title="Wayline dashboard",
-        version=__version__,
-        healthz=healthz or _works,
-        settings=settings,
+    app = create_service_app(
+        "dashboard",
+        settings,
+        healthz=healthz,
         registry=registry,
         structs=(FleetView, RouteList, FeatureCollection),
         is_open=is_page,
@@ -79,10 +78,6 @@ def create_dashboard(
     # the page's scripts shrink to a third, which a vehicle's mobile line feels
     app.add_middleware(GZipMiddleware, minimum_size=1024)
     return app
-
-
-def _works() -> Healthz:
-    return Healthz(ok=True, service="dashboard", version=__version__)
 
 
 def _add_view(app: FastAPI, live: LiveView, registry: CollectorRegistry) -> None:

@@ -74,9 +74,9 @@ class ArrivalAnswer(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float
     """From now to the arrival; 0 where it is due."""
     age_s: float
-    """Of the position that this rests on."""
+    """Age of the position that this rests on."""
     stale: bool
-    """That position is old."""
+    """The position that this rests on is old."""
 
 
 class ArrivalList(msgspec.Struct, frozen=True):

@@ -79,9 +79,9 @@ class ByPose:
         self._followers = [RouteFollower(route, tuning) for route in routes]
         self._current: RouteFollower | None = None
         self._pose: Pose | None = None
-        """The last one worth following, as long as anything may rest on it."""
+        """The last pose worth following, as long as anything may rest on it."""
         self._is_stale = False
-        """It has been told that the pose is old."""
+        """Whether it has been told that the pose is old."""
 
     def take(self, pose: Pose) -> None:
         """Keep a pose for the next tick, if it has a position worth following."""
@@ -135,7 +135,7 @@ class ByPose:
             self._choose(min(matching, key=lambda one: (one.ended, one.offset_m)))
 
     def _choose(self, chosen: RouteFollower) -> None:
-        """Follow one; the others are unseen from now on, so they start afresh when next asked."""
+        """Follow one route; the other routes' followers start afresh when they are next asked."""
         self._current = chosen
         self._followers = [
             chosen if chosen.route is route else RouteFollower(route, self._tuning)

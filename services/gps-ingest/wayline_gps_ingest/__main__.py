@@ -3,10 +3,10 @@
 from argparse import Namespace
 from collections.abc import Callable
 
-from wayline.arrival import source_names
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.http import Healthz
 from wayline.node import Node
+from wayline.received import source_names
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import main as run_shell
@@ -25,7 +25,8 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     if options.drive is not None:
         drive = load_drive(options.drive)
-        played = playback(NAME, settings, options, lambda: recordings(drive))
+        where = str(options.drive)
+        played = playback(NAME, settings, options, lambda: recordings(drive, where))
         app = plain_app(NAME, settings)
         return Service(
             NAME,

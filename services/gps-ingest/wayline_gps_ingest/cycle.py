@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import msgspec
 
+from wayline_gps_ingest.dates import nearest_ns
 from wayline_gps_ingest.decode import Observation
 from wayline_gps_ingest.epoch import POSITION_KINDS, Epoch
 from wayline_gps_ingest.fields import SECOND_NS
 from wayline_gps_ingest.sentence_order import SentenceOrder
-from wayline_gps_ingest.timeline import nearest_ns
 
 SAME_TIME_NS = 5_000_000
 """Times this near are one instant, told with more decimals by one sentence than by another."""

@@ -10,6 +10,7 @@ from typing import Literal, TypedDict
 import msgspec
 
 from wayline.messages import SPEED_MAX_MPS, STD_MAX, FixKind
+from wayline_gps_ingest.dates import instant_of
 from wayline_gps_ingest.fields import (
     M_PER_FOOT,
     MPS_PER_KMPH,
@@ -27,7 +28,6 @@ from wayline_gps_ingest.fields import (
     time_of_day_ns,
 )
 from wayline_gps_ingest.parsing import Parsed
-from wayline_gps_ingest.timeline import instant_of
 
 ALTITUDE_MIN_M = -1000.0
 """Below any road; receivers write -5400 m and the like for unknown."""

@@ -31,7 +31,7 @@ from wayline_gps_ingest.gpsd_reports import (
     vertical_std_m,
 )
 from wayline_gps_ingest.gpsd_sky import HELD_NS, GpsdSky
-from wayline_gps_ingest.steady_clock import SteadyClock
+from wayline_gps_ingest.onward_clock import OnwardClock
 
 GONE_NS = 2 * SECOND_NS
 """Another device of the same gpsd is followed when the one before was silent this long."""
@@ -40,7 +40,7 @@ GONE_NS = 2 * SECOND_NS
 class GpsdReport(msgspec.Struct, frozen=True):
     """A line from gpsd, as it came."""
 
-    arrival_ns: int | None
+    received_ns: int | None
     text: str
 
 
@@ -56,7 +56,7 @@ class GpsdCore:
 
     def __init__(self, gps_latency_s: float = 0.0) -> None:
         self._latency_ns = round(gps_latency_s * SECOND_NS)
-        self._clock = SteadyClock()
+        self._clock = OnwardClock()
         self._faults: Counter[str] = Counter()
         self._device = ""
         self._open: Tpv | None = None

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import msgspec
 
+from wayline.live_sources import LiveNmea
 from wayline.messages import GpsFix, Message
-from wayline.settings import LiveNmea
 from wayline.view import Receipt
 from wayline_gps_ingest.condition import Condition
 from wayline_gps_ingest.links import Link, address_of
@@ -44,7 +44,7 @@ class Receiver:
 
     @property
     def condition(self) -> Condition:
-        """How it does now."""
+        """How the receiver does now."""
         link = self._link
         now_s = time.monotonic()
 
@@ -64,7 +64,7 @@ class Receiver:
 
     @property
     def detail(self) -> str:
-        """How it does, for `health`."""
+        """How the receiver does, for `health`."""
         return self.condition.text
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
@@ -94,10 +94,10 @@ class Receiver:
             if not heard.size_bytes:
                 continue
             self._byte_s = last_s = time.monotonic()
-            arrival_ns = time.time_ns()
+            received_ns = time.time_ns()
             for line in heard.lines:
                 self._sentence_s = last_s
-                put(self._address.line(arrival_ns, line))
+                put(self._address.line(received_ns, line))
         self._error = "silent"
         return last_s > opened_s
 

@@ -11,7 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from wayline.errors import InputError
-from wayline.route import DEFAULT_SPEED_MPS, Route, load_route
+from wayline.route import DEFAULT_SPEED_MPS, Route
+from wayline.route_file import load_route
 from wayline_cli.__main__ import app
 
 ROUTES = Path(__file__).parent / "routes"

@@ -51,9 +51,8 @@ def pose(age_s: float = 0.0) -> Pose:
 
 
 def health(*, recorded: bool) -> Health:
-    return Health(
-        t_ns=time.time_ns(), service="fusion", version="0", started_ns=0, recorded=recorded
-    )
+    now_ns = time.time_ns()
+    return Health(t_ns=now_ns, service="fusion", version="0", started_ns=now_ns, recorded=recorded)
 
 
 def age_s(view: Any) -> float:

@@ -10,8 +10,8 @@ from pathlib import Path
 import msgspec
 
 from unit.gps_ingest.receiver import fixes
+from wayline.live_sources import LiveNmea
 from wayline.messages import Message
-from wayline.settings import LiveNmea
 from wayline_gps_ingest.gpsd import GpsdCore
 from wayline_gps_ingest.receivers import Receiver
 

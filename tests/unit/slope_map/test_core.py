@@ -19,7 +19,9 @@ from wayline.core import Sleep
 from wayline.inputs import Flush, Tick
 from wayline.line import Line
 from wayline.messages import Horizon, Pose
+from wayline.tuning import Tuning
 from wayline_slope_map.core import SlopeMapCore
+from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.records import FinishedRun, RoadLearned
 from wayline_slope_map.sums import estimate, run_sums
@@ -162,10 +164,10 @@ def test_each_lap_of_a_known_loop_ends_a_run_and_the_horizon_wraps() -> None:
 def test_a_route_is_the_road_where_it_is_followed_in_its_direction() -> None:
     run = runs_of(core(), drive(seed=1, length_m=3000.0))[0]
     line = Line(*np.array(run.road.points).T)
-    on_route = core(route=line, route_id="7")
+    on_route = core(route=line)
     (followed,) = runs_of(on_route, drive(seed=8, length_m=3000.0))
     assert (followed.road.road_id, followed.direction) == ("7", 1)
-    against = core(route=line, route_id="7")
+    against = core(route=line)
     (other,) = runs_of(against, drive(seed=8, length_m=3000.0, backwards=True))
     assert other.road.road_id.startswith("road-")
 
@@ -290,6 +292,43 @@ def test_a_parked_vehicles_run_ends_once_though_poses_go_on() -> None:
     assert len(runs_of(core(), [*whole, *standing])) == 1
 
 
+@pytest.mark.parametrize(("creep_mps", "runs"), [(0.07, 1), (0.15, 0)])
+def test_a_standing_vehicles_distance_may_creep_by_30_m_while_it_parks(
+    creep_mps: float, runs: int
+) -> None:
+    """In five minutes 21 m are noise; 45 m are a queue that moves."""
+    whole = drive(seed=10, length_m=2000.0)[:-1]
+    last = next(message for message in reversed(whole) if isinstance(message, Pose))
+    creeping = [
+        msgspec.structs.replace(
+            last,
+            t_ns=last.t_ns + second * SECOND_NS,
+            distance_m=last.distance_m + second * creep_mps,
+        )
+        for second in range(1, 800)
+    ]
+    assert len(runs_of(core(), [*whole, *creeping])) == runs
+
+
+@pytest.mark.parametrize(("unplaced_m", "is_ahead"), [(100.0, True), (200.0, False)])
+def test_a_vehicle_that_cannot_be_placed_is_carried_on_for_150_m(
+    first_run: FinishedRun, unplaced_m: float, is_ahead: bool
+) -> None:
+    """Farther on it may have left its road, and nothing is told of what lies ahead."""
+    knowing = core(profiles=[profile_of(first_run)])
+    messages = drive(seed=9, length_m=500.0)[:-1]
+    for message in messages:
+        knowing.handle(message, "test")
+    last = next(message for message in reversed(messages) if isinstance(message, Pose))
+    t_ns = (last.t_ns // SECOND_NS + 1) * SECOND_NS
+    travelled_m = last.distance_m + unplaced_m
+    unsure = msgspec.structs.replace(last, t_ns=t_ns, distance_m=travelled_m, east_std_m=99.0)
+    knowing.handle(unsure, "fusion")
+    (horizon,) = knowing.handle(Tick(t_ns), "clock")
+    assert isinstance(horizon, Horizon)
+    assert (horizon.road_id is not None) is is_ahead
+
+
 def test_poses_without_a_place_and_input_without_poses_make_no_run() -> None:
     lost = [
         msgspec.structs.replace(message, mode="lost") if isinstance(message, Pose) else message
@@ -310,3 +349,11 @@ def test_a_pose_after_the_end_of_input_begins_a_new_run() -> None:
     ]
     assert len(runs_of(twice, there)) == 1
     assert len(runs_of(twice, on)) == 1
+
+
+def test_what_one_vehicle_taught_lies_on_the_horizon_of_another(first_run: FinishedRun) -> None:
+    roads = KnownRoads()
+    teaching, other = (SlopeMapCore(roads, Tuning(), name) for name in ("car", "truck"))
+    teaching.handle(RoadLearned(profile_of(first_run)), "slope-map")
+    later = drive(seed=9, length_m=500.0, start_ns=START_NS + DAY_NS)
+    assert horizons(other, later)[-1].road_id == first_run.road.road_id

@@ -362,6 +362,8 @@ def test_what_only_a_view_reads_is_heard_and_does_not_reach_the_core(run: Run) -
     running.put(Pose(t_ns=at(0), mode="starting"))
     while (found := told.get(timeout=WAIT_S)) != ("bus-7", "pose", "test"):
         assert found == ("bus-7", "health", "echo")
+    running.await_health(lambda health: health.in_rate_hz == 0.0)
+    running.end()
 
 
 def test_a_service_without_a_core_only_shows(run: Run) -> None:
@@ -418,9 +420,14 @@ def test_no_step_of_the_hosts_clock_makes_a_vehicle_old(
     running.await_start()
     true_ns = time.time_ns
     told_age_s(running, view, true_ns(), "bus-7")
+    # that it is no recording is known to whoever asks
+    health = Health(t_ns=true_ns(), service="gps-ingest", version="0", started_ns=true_ns())
+    running.put(health, source="gps-ingest")
     for step_s in (HOUR_S, -HOUR_S):
         monkeypatch.setattr(time, "time_ns", lambda s=step_s: true_ns() + round(s * 1e9))
-        assert told_age_s(running, view, true_ns(), "bus-7") < 1.0
+        for _ in range(5):
+            assert told_age_s(running, view, true_ns(), "bus-7") < 1.0
+            time.sleep(0.1)
 
 
 def test_a_silent_vehicle_is_forgotten_with_what_it_cost_and_comes_back(run: Run) -> None:
@@ -470,3 +477,32 @@ def test_more_sources_than_a_vehicle_has_are_made_up(run: Run) -> None:
     for number in range(20):
         running.put(fix(number, 55.0, 10.0), source=f"gps-ingest-{number}")
     assert running.await_health(lambda health: health.bad_input >= 4).bad_input == 4
+
+
+def test_of_a_silent_vehicle_nothing_is_said_any_more(
+    run: Run, session: zenoh.Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not even what its last message was, as publishers do every few seconds."""
+    monkeypatch.setattr("wayline.loop.QUIET_S", 2.0)
+    heartbeats: queue.SimpleQueue[float] = queue.SimpleQueue()
+    key = message_key("bus-8", "odometer", "echo")
+    hears = session.declare_subscriber(
+        f"{key}/@adv/pub/**", lambda _: heartbeats.put(time.monotonic())
+    )
+
+    class Patient(Echo):
+        period_ns: ClassVar[int | None] = None
+
+    running = run(Service("echo", lambda *_: Node("echo", Patient()), Echo.reads), ALL)
+    running.await_start()
+    running.put(fix(0.05, 55.0, 10.0), "bus-8")
+    heartbeats.get(timeout=WAIT_S)
+    # the publisher goes within a second of its time, the heartbeats come once a second
+    time.sleep(4.0)
+    quiet_since_s = time.monotonic()
+    time.sleep(2.5)
+    while not heartbeats.empty():
+        assert heartbeats.get() < quiet_since_s
+    running.put(fix(0.15, 55.0, 10.0), "bus-8")
+    running.await_odometer(at(0.15), 1.0)
+    hears.undeclare()  # type: ignore[no-untyped-call]

@@ -10,10 +10,10 @@ from wayline.inputs import Flush
 from wayline.messages import Message
 
 
-class Arrival(NamedTuple):
+class Received(NamedTuple):
     """A message as it reaches the bus."""
 
-    arrival_ns: int
+    received_ns: int
     order: int
     """Of its source among the drive's sources: nmea, avl, can; settles ties."""
     source: str
@@ -25,7 +25,7 @@ class Recording(NamedTuple):
 
     source: str
     messages: Iterable[tuple[int, Message]]
-    """Each with its arrival, Unix ns."""
+    """Each with its receipt, Unix ns."""
     bad_input: Callable[[], int]
 
 
@@ -36,28 +36,28 @@ def translated(
     inputs: Iterable[Raw],
     handle: Callable[[msgspec.Struct, str], Sequence[Message]],
     source: str,
-    arrival_ns: Callable[[Raw, Message], int],
+    received_ns: Callable[[Raw, Message], int],
 ) -> Iterator[tuple[int, Message]]:
-    """Messages that an ingest core makes of raw input, with their arrival."""
+    """Messages that an ingest core makes of raw input, with their receipt."""
     last: Raw | None = None
     for last in inputs:
         for message in handle(last, source):
-            yield arrival_ns(last, message), message
+            yield received_ns(last, message), message
     if last is not None:
         for message in handle(Flush(0), source):
-            yield arrival_ns(last, message), message
+            yield received_ns(last, message), message
 
 
-def in_order(order: int, recording: Recording) -> Iterator[Arrival]:
-    """Arrivals of one source, never earlier than the one before."""
+def in_order(order: int, recording: Recording) -> Iterator[Received]:
+    """Messages of one source, received never earlier than the one before."""
     latest_ns = 0
-    for arrival_ns, message in recording.messages:
-        latest_ns = max(latest_ns, arrival_ns)
-        yield Arrival(latest_ns, order, recording.source, message)
+    for received_ns, message in recording.messages:
+        latest_ns = max(latest_ns, received_ns)
+        yield Received(latest_ns, order, recording.source, message)
 
 
 def source_names(service: str) -> Iterator[str]:
-    """`gps-ingest`, `gps-ingest-2`, ..."""
+    """Names on the bus of a service's sources: `gps-ingest`, `gps-ingest-2`, ..."""
     yield service
     for number in itertools.count(2):
         yield f"{service}-{number}"
