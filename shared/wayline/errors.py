@@ -1,4 +1,4 @@
-"""Pure: the one error that a user can mend."""
+"""Pure: the errors that a user can mend."""
 
 
 class InputError(Exception):
@@ -15,3 +15,7 @@ class InputError(Exception):
     def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
         """It is raised again where another process did the work."""
         return type(self), (self.where, self.what, self.mend)
+
+
+class UnreadableError(InputError):
+    """A recording is there but cannot be read: the other sources of its drive still can."""

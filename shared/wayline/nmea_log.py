@@ -39,6 +39,14 @@ def has_date(path: Path) -> bool:
     return any(DATED.search(line) for line in _lines(path))
 
 
+def has_sentence(path: Path) -> bool:
+    """Whether a log holds anything like a sentence; reads only up to the first one.
+
+    Raises InputError if the file cannot be opened.
+    """
+    return next(iter(read_sentences(path)), None) is not None
+
+
 def _lines(path: Path) -> Iterator[bytes]:
     try:
         with path.open("rb") as log:

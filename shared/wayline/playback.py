@@ -1,6 +1,5 @@
 """Plays a drive's recordings paced as it was driven, as a feed of an ingest service."""
 
-import heapq
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -8,7 +7,7 @@ from contextlib import AbstractContextManager
 
 import msgspec
 
-from wayline.arrival import Arrival, Recording, in_order
+from wayline.arrival import Arrival, Recording, Sources
 from wayline.messages import Message
 from wayline.play_clock import LEAD_S, PlayClock
 
@@ -100,10 +99,7 @@ class Playback:
     def _arrivals(self) -> Iterator[Arrival]:
         self._bad_input = self.bad_input
         self._playing = self._open_recordings()
-        return heapq.merge(
-            *(in_order(order, recording) for order, recording in enumerate(self._playing)),
-            key=lambda arrival: arrival[:2],
-        )
+        return iter(Sources(self._playing))
 
     def _own_clock(self, stop: threading.Event) -> PlayClock | None:
         """Where the own recordings begin, and, to loop, how long they last; None if empty."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from msgspec.structs import replace
 
 from wayline import __version__
-from wayline.arrival import Recording
+from wayline.arrival import Recording, begun
 from wayline.bus import open_session
 from wayline.drive import load_drive
 from wayline.errors import InputError
@@ -75,8 +75,13 @@ def _settings(options: argparse.Namespace, *, plays: bool) -> Settings:
 def playback(
     name: str, settings: Settings, options: argparse.Namespace, open_recordings: OpenRecordings
 ) -> Playback:
-    """The feed that plays the recordings of `--drive`, in step with the other players."""
+    """The feed that plays the recordings of `--drive`, in step with the other players.
+
+    Raises InputError where nothing of them can be read; what is only partly so is said.
+    """
     vehicle_id = settings.own_vehicle()
+    for warning in begun(open_recordings()).warnings:
+        sys.stderr.write(f"wayline-{name}: warning: {warning}\n")
 
     @contextmanager
     def agreed(own: PlayClock) -> Iterator[PlayClock]:

@@ -282,7 +282,12 @@ def _print_summary(summary: "Summary", out: Path) -> None:
         table.add_row(topic, f"{count:,}")
     for source, count in summary.bad_input.items():
         table.add_row(f"bad input, {source}", f"{count:,}")
+    for source, reasons in summary.left_out.items():
+        for reason, count in reasons.items():
+            table.add_row(f"left out, {source}: {reason}", f"{count:,}")
     Console().print(table)
+    for warning in summary.warnings:
+        typer.echo(f"warning: {warning}")
 
 
 if __name__ == "__main__":

@@ -1,30 +1,23 @@
 """A drive's messages in order of arrival, from all its recordings."""
 
-import heapq
 from collections.abc import Iterator
 
-from wayline.arrival import Arrival, in_order
+from wayline.arrival import Arrival, Sources
 from wayline.drive import Drive
 from wayline_can_ingest import recorded as can
 from wayline_gps_ingest import recorded as gps
 
 
-class DriveStream:
+class DriveStream(Sources):
     """Iterates once over a drive's messages in order of arrival.
 
-    `where` names the drive file in errors. Raises InputError.
+    `where` names the drive file in errors. Raises InputError, at the latest at the end where
+    nothing of the drive could be read.
     """
 
     def __init__(self, drive: Drive, where: str) -> None:
-        self._recordings = [*gps.recordings(drive), *can.recordings(drive, where)]
+        super().__init__([*gps.recordings(drive), *can.recordings(drive, where)])
 
     def __iter__(self) -> Iterator[Arrival]:
-        return heapq.merge(
-            *(in_order(order, recording) for order, recording in enumerate(self._recordings)),
-            key=lambda arrival: arrival[:2],
-        )
-
-    @property
-    def bad_input(self) -> dict[str, int]:
-        """Sentences, rows and frames that were counted and dropped so far, by source."""
-        return {recording.source: recording.bad_input() for recording in self._recordings}
+        yield from super().__iter__()
+        self.check()

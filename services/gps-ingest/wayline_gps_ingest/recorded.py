@@ -1,6 +1,7 @@
 """The receivers and position reports of a recorded drive, as bus messages."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 from wayline.arrival import Recording, source_names, translated
@@ -8,8 +9,10 @@ from wayline.avl_log import read_reports
 from wayline.drive import AvlSource, Drive, NmeaSource, Vehicle
 from wayline.errors import InputError
 from wayline.inputs import PositionReport
-from wayline.nmea_log import has_date, read_sentences
+from wayline.nmea_log import has_date, has_sentence, read_sentences
 from wayline_gps_ingest.core import GpsIngestCore
+
+READABLE = "give a receiver's log of GGA, RMC, GLL, GNS or the like, as it came from the line"
 
 
 def recordings(drive: Drive) -> list[Recording]:
@@ -23,6 +26,9 @@ def recordings(drive: Drive) -> list[Recording]:
 
 def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
     path = Path(source.path)
+    nothing = partial(_nothing_received, source.path)
+    if not has_sentence(path):
+        return Recording(name, (), lambda: 0, nothing=nothing)
     if source.date is None and not has_date(path):
         mend = "add date = YYYY-MM-DD to its [[nmea]]"
         raise InputError(str(path), "no sentence carries a date", mend)
@@ -36,14 +42,28 @@ def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
             message.t_ns + latency_ns if sentence.arrival_ns is None else sentence.arrival_ns
         ),
     )
-    return Recording(name, messages, lambda: core.bad_input)
+    return Recording(name, messages, lambda: core.bad_input, nothing=lambda: nothing(core.faults))
+
+
+def _nothing_received(path: str, faults: Mapping[str, int] = {}) -> InputError:
+    """Why a receiver's log made no message."""
+    if not faults:
+        return InputError(path, "holds no NMEA 0183 sentence that tells a position", READABLE)
+    counted = ", ".join(f"{times:,} {reason}" for reason, times in sorted(faults.items()))
+    return InputError(path, f"none of its sentences could be used ({counted})", READABLE)
 
 
 def _reports(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:
     core = GpsIngestCore(vehicle.gps_latency_s)
     rows = Readable(read_reports(source))
     messages = translated(rows, core.handle, name, lambda report, _: report.t_ns)
-    return Recording(name, messages, lambda: core.bad_input + rows.bad_input)
+
+    def nothing() -> InputError:
+        what = f"none of its {rows.bad_input + core.bad_input:,} rows has a readable time and place"
+        mend = "check its columns: time ISO 8601 or Unix seconds, lat_deg and lon_deg in degrees"
+        return InputError(source.path, what, mend)
+
+    return Recording(name, messages, lambda: core.bad_input + rows.bad_input, nothing=nothing)
 
 
 class Readable:

@@ -1,0 +1,168 @@
+"""Vector's .blf with its damage cut out, so that python-can's reader comes to the end of it."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import can
+
+from wayline.can_recordings.text import DAMAGE
+from wayline.errors import UnreadableError
+from wayline.log_file import LogFile
+
+MAGIC = b"LOGG"
+OBJECT = b"LOBJ"
+HEADER = struct.Struct("<4sL")
+HEADER_SIZE = 144
+START = slice(40, 56)
+"""Where the header tells when the recording began; without, its times carry no date."""
+OBJECT_HEADER = struct.Struct("<4sHHLL")
+"""Signature, header size, header version, object size, object type."""
+CONTAINER_HEADER = struct.Struct("<H6xL4x")
+"""Compression, unpacked size."""
+CONTAINER, STORED, DEFLATED = 10, 0, 2
+SMALLEST = {1: 32, 2: 40}
+"""Bytes of an object's header by its version."""
+LARGEST = 1 << 24
+"""Bytes of an object; a container has 128 kB, a frame 200 bytes."""
+
+
+class Blf:
+    """Frames of a .blf; a damaged container or object costs itself alone."""
+
+    is_local = True
+    first_channel = 1
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._log = LogFile(path)
+        self.damaged = 0
+
+    def __iter__(self) -> Iterator[can.Message]:
+        sound: io.RawIOBase = _Sound(self._sound(io.BufferedReader(self._log)))
+        try:
+            yield from can.BLFReader(io.BufferedReader(sound))
+        except (*DAMAGE, struct.error) as error:
+            raise UnreadableError(
+                str(self._path), f"is damaged ({error})", "give another recording"
+            ) from None
+        self.damaged += self._log.is_broken
+
+    def close(self) -> None:
+        """Close the file."""
+        self._log.close()
+
+    def _sound(self, file: io.BufferedReader[LogFile]) -> Iterator[bytes]:
+        """The header, and containers that hold nothing but whole objects, unpacked."""
+        head = file.read(HEADER_SIZE)
+        if len(head) < HEADER_SIZE:
+            raise UnreadableError(
+                str(self._path), "ends within its header", "give another recording"
+            )
+        yield HEADER.pack(MAGIC, HEADER_SIZE) + head[HEADER.size :]
+        rest = b""
+        for data in self._containers(file):
+            whole, rest = self._whole(rest + data)
+            yield _container(whole)
+        self.damaged += len(rest) >= OBJECT_HEADER.size
+
+    def _containers(self, file: io.BufferedReader[LogFile]) -> Iterator[bytes]:
+        while head := self._next_object(file):
+            _, _, _, size, kind = OBJECT_HEADER.unpack(head)
+            if not OBJECT_HEADER.size <= size <= LARGEST:
+                self.damaged += 1
+                continue
+            body = file.read(size - OBJECT_HEADER.size)
+            if len(body) < size - OBJECT_HEADER.size:
+                self.damaged += 1
+            if kind == CONTAINER:
+                yield self._unpacked(body)
+
+    def _next_object(self, file: io.BufferedReader[LogFile]) -> bytes:
+        """The header of the next object in the file; empty at its end."""
+        skipped = 0
+        while True:
+            window = file.peek(OBJECT_HEADER.size)
+            found = window.find(OBJECT)
+            if found >= 0:
+                file.read(found)
+                self.damaged += skipped + found >= 4
+                head = file.read(OBJECT_HEADER.size)
+                return head if len(head) == OBJECT_HEADER.size else b""
+            dropped = len(file.read(max(len(window) - len(OBJECT) + 1, 1)))
+            skipped += dropped
+            if not dropped:
+                self.damaged += skipped >= 4
+                return b""
+
+    def _unpacked(self, body: bytes) -> bytes:
+        """What a container holds, up to where it breaks."""
+        if len(body) < CONTAINER_HEADER.size:
+            return b""
+        method, _ = CONTAINER_HEADER.unpack_from(body)
+        data = body[CONTAINER_HEADER.size :]
+        if method == STORED:
+            return data
+        if method != DEFLATED:
+            self.damaged += 1
+            return b""
+        unpacking = zlib.decompressobj()
+        unpacked = b""
+        try:
+            for at in range(0, len(data), 256):
+                unpacked += unpacking.decompress(data[at : at + 256], LARGEST)
+                if len(unpacked) > LARGEST:
+                    break
+        except zlib.error:
+            self.damaged += 1
+        return unpacked
+
+    def _whole(self, data: bytes) -> tuple[bytes, bytes]:
+        """The whole objects, one behind the other, and the beginning of the one that goes on."""
+        objects: list[bytes] = []
+        at = 0
+        while (found := data.find(OBJECT, at)) >= 0 and found + OBJECT_HEADER.size <= len(data):
+            self.damaged += found - at >= 8
+            _, header_size, version, size, _ = OBJECT_HEADER.unpack_from(data, found)
+            if not SMALLEST.get(version, OBJECT_HEADER.size) <= header_size <= size <= LARGEST:
+                self.damaged += 1
+                at = found + len(OBJECT)
+                continue
+            if found + size > len(data):
+                return b"".join(objects), data[found:]
+            objects.append(data[found : found + size])
+            at = found + size
+        return b"".join(objects), data[found:] if found >= 0 else b""
+
+
+class _Sound(io.RawIOBase):
+    """Pieces of bytes as a file."""
+
+    def __init__(self, pieces: Iterator[bytes]) -> None:
+        super().__init__()
+        self._pieces = pieces
+        self._held = b""
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: bytearray, /) -> int:  # type: ignore[override]
+        while not self._held:
+            piece = next(self._pieces, None)
+            if piece is None:
+                return 0
+            self._held = piece
+        size = min(len(buffer), len(self._held))
+        buffer[:size], self._held = self._held[:size], self._held[size:]
+        return size
+
+
+def _container(data: bytes) -> bytes:
+    """A container as python-can reads it; it is followed by as many bytes as it lacks to a word."""
+    size = OBJECT_HEADER.size + CONTAINER_HEADER.size + len(data)
+    head = OBJECT_HEADER.pack(OBJECT, OBJECT_HEADER.size, 1, size, CONTAINER)
+    return head + CONTAINER_HEADER.pack(STORED, len(data)) + data + bytes(size % 4)
