@@ -2,7 +2,7 @@
 
 
 class InputError(Exception):
-    """Bad input: says where, what is wrong and how to mend it, in one line.
+    """Bad input: says where, what is wrong and how to mend it, in one line for a terminal.
 
     Commands print it and exit with status 2. It is never raised for bad data inside a stream,
     which is counted and dropped instead.
@@ -10,7 +10,8 @@ class InputError(Exception):
 
     def __init__(self, where: str, what: str, mend: str) -> None:
         self.where, self.what, self.mend = where, what, mend
-        super().__init__(" ".join(f"{where}: {what}; {mend}".split()))
+        line = " ".join(f"{where}: {what}; {mend}".split())
+        super().__init__("".join(each if each.isprintable() else "?" for each in line))
 
     def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
         """It is raised again where another process did the work."""

@@ -12,7 +12,7 @@ import can
 
 from wayline.can_recordings.text import DAMAGE
 from wayline.errors import UnreadableError
-from wayline.log_file import LogFile
+from wayline.log_file import ZEROS, LogFile
 
 MAGIC = b"LOGG"
 OBJECT = b"LOBJ"
@@ -110,15 +110,15 @@ class Blf:
         if method != DEFLATED:
             self.damaged += 1
             return b""
-        unpacking = zlib.decompressobj()
-        unpacked = b""
         try:
-            for at in range(0, len(data), 256):
-                unpacked += unpacking.decompress(data[at : at + 256], LARGEST)
-                if len(unpacked) > LARGEST:
-                    break
+            unpacking = zlib.decompressobj()
+            unpacked = unpacking.decompress(data, LARGEST)
+            self.damaged += not unpacking.eof
         except zlib.error:
+            # where packed data is not cut but wrong, what it unpacks to may be anything
             self.damaged += 1
+            sound = data[: max(data.find(ZEROS), 0)]
+            return zlib.decompressobj().decompress(sound, LARGEST) if sound else b""
         return unpacked
 
     def _whole(self, data: bytes) -> tuple[bytes, bytes]:

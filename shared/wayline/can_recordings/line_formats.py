@@ -137,6 +137,8 @@ def crtd(line: str) -> can.Message | None:
     if line.isspace() or CRTD_OTHER.match(line):
         return None
     found = _matched(CRTD, line)
+    if not (found["data"] or line.endswith("\n")):
+        raise ValueError("cut within its identifier")
     return can.Message(
         timestamp=float(found["time"]),
         channel=found["channel"] or None,

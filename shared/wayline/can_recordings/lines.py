@@ -1,6 +1,7 @@
 """Lines of a text log, those that a power loss damaged left out."""
 
 import io
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -8,13 +9,16 @@ from wayline.log_file import HEAD, LogFile, encoding_of
 
 LONGEST = 4096
 """Characters; a frame of 64 bytes takes 300."""
+HALF_BYTE = re.compile(r"[\s,;x][0-9A-Fa-f]$")
+"""How a line ends that was cut within its last byte: the half of it would be another byte."""
 
 
 class Lines:
     """Iterates over the lines of a log, as a text file does; python-can's readers take it for one.
 
-    `damaged` counts what is left out: lines with zeros in them, overlong ones, a packed log's end
-    that cannot be unpacked, and those from which no frame was `taken` though they are a torn one.
+    `damaged` counts what is left out: lines with zeros in them, overlong ones, a last one that is
+    cut within a byte, a packed log's end that cannot be unpacked, and those that `is_torn` says
+    are a frame's though no frame was `taken` from them.
     """
 
     def __init__(self, path: Path, is_torn: Callable[[str], bool] = lambda _: False) -> None:
@@ -26,6 +30,7 @@ class Lines:
         self._open: str | None = None
         self._pushed: list[str] = []
         self.damaged = 0
+        self.count = 0
         self.has_ended = False
 
     def __iter__(self) -> Iterator[str]:
@@ -39,10 +44,11 @@ class Lines:
             self._open = self._pushed.pop()
             return self._open
         while line := self._text.readline(LONGEST):
-            if self._is_overlong(line) or "\0" in line:
+            if self._is_overlong(line) or "\0" in line or is_cut(line):
                 self.damaged += 1
             else:
                 self._open = line
+                self.count += 1
                 return line
         if not self.has_ended:
             self.has_ended = True
@@ -74,3 +80,8 @@ class Lines:
         while line and not line.endswith("\n"):
             line = self._text.readline(LONGEST)
         return True
+
+
+def is_cut(line: str) -> bool:
+    """Whether a line ends the file within a byte."""
+    return not line.endswith("\n") and HALF_BYTE.search(line) is not None

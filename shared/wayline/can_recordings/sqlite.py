@@ -7,6 +7,7 @@ from pathlib import Path
 import can
 
 from wayline.errors import UnreadableError
+from wayline.log_file import LogFile
 
 
 class Sqlite:
@@ -17,6 +18,9 @@ class Sqlite:
     first_channel = 0
 
     def __init__(self, path: Path) -> None:
+        with LogFile(path) as log:
+            if log.is_packed:
+                raise UnreadableError(str(path), "is a packed database", "unpack it")
         self._path = path
         self.damaged = 0
 
@@ -26,7 +30,10 @@ class Sqlite:
             with can.SqliteReader(self._path) as reader:
                 for message in reader:
                     count += 1
-                    yield message
+                    if is_frame(message):
+                        yield message
+                    else:
+                        self.damaged += 1
         except (sqlite3.Error, ValueError, TypeError, OverflowError) as error:
             if not count:
                 what = f"is no SQLite database of python-can ({error})"
@@ -35,3 +42,8 @@ class Sqlite:
 
     def close(self) -> None:
         """The database is closed at the end of the iteration."""
+
+
+def is_frame(message: can.Message) -> bool:
+    """Whether the cells of a row are what they should be: a damaged database has any."""
+    return isinstance(message.timestamp, int | float) and isinstance(message.arbitration_id, int)

@@ -32,7 +32,9 @@ class ReaderOfLines:
 
     def __iter__(self) -> Iterator[can.Message]:
         lines = self._lines
-        while not lines.has_ended:
+        count = -1
+        while not lines.has_ended and lines.count > count:
+            count = lines.count
             try:
                 for message in self._reader:
                     if is_whole(message):
