@@ -1,5 +1,6 @@
 """Loads CAN databases with cantools; what does not load is one clear error."""
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,6 +10,8 @@ from cantools.database.can import Database
 from wayline.errors import InputError
 from wayline.log_file import decoded
 
+# who maps one of several messages of a name is told so by the directory
+logging.getLogger("cantools").setLevel(logging.ERROR)
 TEXTS = {".dbc": "dbc", ".sym": "sym"}
 """Formats without a word on their encoding: cantools takes them for cp1252, marks and all."""
 LONGEST = 200

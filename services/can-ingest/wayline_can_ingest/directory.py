@@ -29,19 +29,30 @@ class Known(NamedTuple):
 
 
 class Directory:
-    """Messages by name; of the same name in several parts the first one's."""
+    """Messages by name; of the same name in several parts the first one's.
+
+    A name that one part has for several identifiers tells nothing: who maps it is refused.
+    """
 
     def __init__(self, parts: Sequence[Part]) -> None:
         self._where = parts[0].where
-        self._messages = {
-            message.name: Known(message, part.j1939)
-            for part in reversed(parts)
-            for database in part.databases
-            for message in database.messages
-        }
+        self._messages: dict[str, Known] = {}
+        self._namesakes: dict[str, list[DbcMessage]] = {}
+        for part in parts:
+            named = _by_name(part)
+            for name in named.keys() - self._messages.keys():
+                self._messages[name] = Known(named[name][0], part.j1939)
+                self._namesakes[name] = named[name]
 
     def message(self, name: str, quantity: str) -> Known:
         """A message that a quantity names."""
+        if len(self._namesakes.get(name, ())) > 1:
+            numbers = ", ".join(f"{each.frame_id:X}h" for each in self._namesakes[name])
+            raise InputError(
+                self._where,
+                f'"{quantity}" names message {name}, of which the dbc has several ({numbers})',
+                "rename all but one of them in the dbc, or leave out the dbc that has the others",
+            )
         if name in self._messages:
             return self._messages[name]
         raise InputError(
@@ -59,6 +70,16 @@ class Directory:
                 f'"{quantity}" names signal {name}, which message {message.name} does not have',
                 did_you_mean(name, names),
             )
+
+
+def _by_name(part: Part) -> dict[str, list[DbcMessage]]:
+    """Messages of each name; the same one in several databases counts once, the last of them."""
+    named: dict[str, dict[tuple[int, bool], DbcMessage]] = {}
+    for database in part.databases:
+        for message in database.messages:
+            key = message.frame_id, message.is_extended_frame
+            named.setdefault(message.name, {})[key] = message
+    return {name: list(messages.values()) for name, messages in named.items()}
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
