@@ -127,8 +127,10 @@ def replay_command(
     """Run a recorded drive through the whole system, as fast as it goes."""
     from wayline_replay.outages import parse_outage
     from wayline_replay.replay import replay
+    from wayline_replay.stream import check_outages_of
 
     outages = [parse_outage(text) for text in gps_outage or []]
+    check_outages_of(drive, outages)
     with _progress() as progressed:
         summary = replay(
             drive,

@@ -32,6 +32,22 @@ def parse_outage(text: str) -> Outage:
     return outage
 
 
+def check_outages(arrivals: Iterable[Arrival], outages: Sequence[Outage]) -> None:
+    """Raise InputError for an outage that begins behind a drive's end; reads up to the last one."""
+    last = max(outages, key=lambda outage: outage.start_s)
+    stream = iter(arrivals)
+    head = _head(stream)
+    start_ns = min((arrival.message.t_ns for arrival in head), default=0)
+    lasted_s = 0.0
+    for arrival in itertools.chain(head, stream):
+        lasted_s = max(lasted_s, (arrival.message.t_ns - start_ns) * 1e-9)
+        if lasted_s >= last.start_s:
+            return
+    text = f"{last.start_s:g}:{last.length_s:g}"
+    what = f"{text} begins behind the drive's end, which is at {lasted_s:,.1f} s"
+    raise InputError("--gps-outage", what, "give an earlier start")
+
+
 def with_outages(arrivals: Iterable[Arrival], outages: Sequence[Outage]) -> Iterator[Arrival]:
     """Blank position, speed, course and altitude of every fix measured during an outage."""
     stream = iter(arrivals)
