@@ -45,15 +45,18 @@ NMEA = "".join(
 AVL = b"time,lat,lon\n" + b"".join(
     b"2020-04-16 13:59:%02d,48.%04d,11.5\n" % (second, second) for second in range(8)
 )
-SYM = b"""FormatVersion=6.0
+SYM = b"""FormatVersion=6.0 // PCAN Symbol Editor
 Title="v"
+
+{SIGNALS}
+Sig=Speed unsigned 16 /u:km/h /f:0.01
+
 {SENDRECEIVE}
+
 [SPD]
 ID=123h
 Len=8
 Sig=Speed 0
-{SIGNALS}
-Sig=Speed unsigned 16 /u:km/h /f:0.01
 """
 AVL_TABLE = 'columns = { time = "time", lat_deg = "lat", lon_deg = "lon" }\n'
 
@@ -145,7 +148,9 @@ def _digit(data: bytes, choose: random.Random) -> bytes:
     if not places:
         return data
     at = choose.choice(places)
-    return data[:at] + choose.choice((b"0", b"9", b"-", b".", b"F", b"999999999999")) + data[at + 1 :]
+    return (
+        data[:at] + choose.choice((b"0", b"9", b"-", b".", b"F", b"999999999999")) + data[at + 1 :]
+    )
 
 
 def _doubled(data: bytes, choose: random.Random) -> bytes:
@@ -173,14 +178,15 @@ DAMAGES: tuple[Damage, ...] = (
 
 
 def read(folder: Path) -> str:
-    """Every message of the drive, checked; what it was refused for, or nothing."""
+    """Read and check every message of the drive; tells whether it was refused."""
     try:
         for arrival in DriveStream(load_drive(folder), str(folder)):
             message = arrival.message
-            assert decode(message.topic, encode(message)) == message
+            if decode(message.topic, encode(message)) != message:
+                raise AssertionError(message)
     except InputError as error:
-        assert "\n" not in str(error)
-        assert str(error).isprintable(), str(error)
+        if not str(error).isprintable():
+            raise AssertionError(str(error)) from error
         return "refused"
     return "read"
 
@@ -216,8 +222,9 @@ def main() -> int:
             try:
                 outcome = read(folder)
             except Exception:
-                log.exception("file %d (%s) failed: --seed %d", files, kind.name, options.seed)
-                Path("/tmp/fuzz-failed").write_bytes(data)
+                kept = Path(tempfile.gettempdir()) / f"fuzz-failed-{kind.name.replace(' ', '-')}"
+                kept.write_bytes(data)
+                log.exception("file %d of --seed %d failed; it is %s", files, options.seed, kept)
                 return 1
             signal.alarm(0)
             if kind.name != SLOW:

@@ -27,6 +27,8 @@ CONTAINER_HEADER = struct.Struct("<H6xL4x")
 CONTAINER, STORED, DEFLATED = 10, 0, 2
 SMALLEST = {1: 32, 2: 40}
 """Bytes of an object's header by its version."""
+SMALLEST_DAMAGE = 8
+"""Fewer bytes between two objects are padding."""
 LARGEST = 1 << 24
 """Bytes of an object; a container has 128 kB, a frame 200 bytes."""
 
@@ -65,39 +67,38 @@ class Blf:
             )
         yield HEADER.pack(MAGIC, HEADER_SIZE) + head[HEADER.size :]
         rest = b""
-        for data in self._containers(file):
-            whole, rest = self._whole(rest + data)
+        for body in self._containers(file):
+            damaged = self.damaged
+            whole, rest = self._whole(rest + self._unpacked(body))
+            if self.damaged > damaged:
+                rest = b""
             yield _container(whole)
         self.damaged += len(rest) >= OBJECT_HEADER.size
 
     def _containers(self, file: io.BufferedReader[LogFile]) -> Iterator[bytes]:
-        while head := self._next_object(file):
+        while len(head := self._next_object(file)) == OBJECT_HEADER.size:
             _, _, _, size, kind = OBJECT_HEADER.unpack(head)
             if not OBJECT_HEADER.size <= size <= LARGEST:
                 self.damaged += 1
                 continue
             body = file.read(size - OBJECT_HEADER.size)
-            if len(body) < size - OBJECT_HEADER.size:
-                self.damaged += 1
             if kind == CONTAINER:
-                yield self._unpacked(body)
+                self.damaged += len(body) < size - OBJECT_HEADER.size
+                yield body
 
     def _next_object(self, file: io.BufferedReader[LogFile]) -> bytes:
-        """The header of the next object in the file; empty at its end."""
+        """The header of the next object in the file, shorter at its end."""
+        held = file.read(OBJECT_HEADER.size)
         skipped = 0
-        while True:
-            window = file.peek(OBJECT_HEADER.size)
-            found = window.find(OBJECT)
-            if found >= 0:
-                file.read(found)
-                self.damaged += skipped + found >= 4
-                head = file.read(OBJECT_HEADER.size)
-                return head if len(head) == OBJECT_HEADER.size else b""
-            dropped = len(file.read(max(len(window) - len(OBJECT) + 1, 1)))
-            skipped += dropped
-            if not dropped:
-                self.damaged += skipped >= 4
-                return b""
+        while (found := held.find(OBJECT)) < 0:
+            more = file.read(OBJECT_HEADER.size - len(OBJECT) + 1)
+            if not more:
+                found = len(held)
+                break
+            skipped += len(more)
+            held = held[1 - len(OBJECT) :] + more
+        self.damaged += skipped + found >= SMALLEST_DAMAGE
+        return held[found:] + file.read(found)
 
     def _unpacked(self, body: bytes) -> bytes:
         """What a container holds, up to where it breaks."""
@@ -110,23 +111,19 @@ class Blf:
         if method != DEFLATED:
             self.damaged += 1
             return b""
-        try:
-            unpacking = zlib.decompressobj()
-            unpacked = unpacking.decompress(data, LARGEST)
-            self.damaged += not unpacking.eof
-        except zlib.error:
+        unpacked = _inflated(data)
+        if unpacked is None:
             # where packed data is not cut but wrong, what it unpacks to may be anything
+            unpacked = _inflated(data[: max(data.find(ZEROS), 0)])
             self.damaged += 1
-            sound = data[: max(data.find(ZEROS), 0)]
-            return zlib.decompressobj().decompress(sound, LARGEST) if sound else b""
-        return unpacked
+        return unpacked or b""
 
     def _whole(self, data: bytes) -> tuple[bytes, bytes]:
         """The whole objects, one behind the other, and the beginning of the one that goes on."""
         objects: list[bytes] = []
         at = 0
         while (found := data.find(OBJECT, at)) >= 0 and found + OBJECT_HEADER.size <= len(data):
-            self.damaged += found - at >= 8
+            self.damaged += found - at >= SMALLEST_DAMAGE
             _, header_size, version, size, _ = OBJECT_HEADER.unpack_from(data, found)
             if not SMALLEST.get(version, OBJECT_HEADER.size) <= header_size <= size <= LARGEST:
                 self.damaged += 1
@@ -159,6 +156,14 @@ class _Sound(io.RawIOBase):
         size = min(len(buffer), len(self._held))
         buffer[:size], self._held = self._held[:size], self._held[size:]
         return size
+
+
+def _inflated(data: bytes) -> bytes | None:
+    """What packed data holds, up to where it is cut; None where it is wrong."""
+    try:
+        return zlib.decompressobj().decompress(data, LARGEST)
+    except zlib.error:
+        return None
 
 
 def _container(data: bytes) -> bytes:
