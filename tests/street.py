@@ -1,6 +1,7 @@
 """A vehicle that drives straight north at 10 m/s up a street of 2 %, and the route along it."""
 
 import json
+import time
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import zenoh
 from wayline.bus import Publishers
 from wayline.codec import encode
 from wayline.geo import WGS84
-from wayline.messages import GpsFix
+from wayline.messages import GpsFix, Health
 
 VEHICLE = "bus-7"
 ROUTE = "street"
@@ -70,7 +71,7 @@ def street_fix(start_ns: int, second: int) -> GpsFix:
 
 
 class Receiver:
-    """Publishes fixes as gps-ingest does, as fast as they are asked for."""
+    """Publishes fixes as gps-ingest does when it plays a drive, as fast as they are asked for."""
 
     def __init__(self, session: zenoh.Session, start_ns: int) -> None:
         self._publishers = Publishers(session)
@@ -84,10 +85,21 @@ class Receiver:
 
     def drive(self, seconds: int) -> None:
         """Publish the fixes of so many seconds at once."""
+        self.put("health", encode(self._health()))
         for _ in range(seconds):
             fix = street_fix(self._start_ns, self._second)
             self.put("gps_fix", encode(fix))
             self._second += 1
+
+    def _health(self) -> Health:
+        """The drive is a recording: its times are not those of the host's clock."""
+        return Health(
+            t_ns=time.time_ns(),
+            service="gps-ingest",
+            version="0",
+            started_ns=time.time_ns(),
+            recorded=True,
+        )
 
     def put(self, topic: str, payload: bytes) -> None:
         """Publish any payload."""

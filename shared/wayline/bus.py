@@ -3,7 +3,6 @@
 Callbacks only hand samples on; what they call must not block and must not call Zenoh.
 """
 
-import datetime as dt
 import json
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
@@ -14,17 +13,15 @@ from zenoh import CongestionControl
 
 from wayline.codec import ENCODING
 from wayline.errors import InputError
-from wayline.keys import message_key
+from wayline.keys import Key, message_key
 from wayline.messages import MESSAGES, TOPICS, Message
 from wayline.settings import BusSettings
 
-RECOVERY_PERIOD = dt.timedelta(seconds=1)
-"""How soon a subscriber notices that the last sample was lost.
-
-Zenoh's heartbeats would be cheaper, but it cannot read their keys below a verbatim chunk (@v1).
-"""
+HEARTBEAT_MIN_S = 1.0
+HEARTBEAT_MESSAGES = 5.0
+"""A heartbeat for every so many messages: the next message tells of a loss sooner than it does."""
 SLOWEST_FAST_HZ = 5.0
-"""Topics above this rate are streams; the others are states, whose newest value joiners get."""
+"""Topics above this rate are streams; slower ones are states, whose newest value joiners get."""
 CACHED_S = 3.0
 """Seconds of a stream that can be recovered after a loss."""
 
@@ -38,16 +35,19 @@ class Qos(NamedTuple):
     """Samples that a late joiner asks for; 0 for a stream of raw samples."""
     congestion_control: CongestionControl
     """A reader that does not keep up loses samples and recovers them; nothing waits for it."""
+    heartbeat_s: float
+    """How often its publisher says what its last sample was, so that the loss of it is noticed."""
 
 
 def _qos(message: type[Message]) -> Qos:
     fast = message.rate_hz > SLOWEST_FAST_HZ and message is not TOPICS["pose"]
     cache_depth = max(10, round(message.rate_hz * CACHED_S))
-    return Qos(cache_depth, 0 if fast else 1, CongestionControl.DROP)
+    heartbeat_s = max(HEARTBEAT_MIN_S, HEARTBEAT_MESSAGES / message.rate_hz)
+    return Qos(cache_depth, 0 if fast else 1, CongestionControl.DROP, heartbeat_s)
 
 
 QOS: dict[str, Qos] = {message.topic: _qos(message) for message in MESSAGES}
-"""The one table of cache depth, history and congestion control, by topic."""
+"""The one table of cache depth, history, congestion control and heartbeat, by topic."""
 
 
 def open_session(settings: BusSettings) -> zenoh.Session:
@@ -97,40 +97,64 @@ class Publishers:
 
     def __init__(self, session: zenoh.Session) -> None:
         self._session = session
-        self._publishers: dict[str, zenoh.ext.AdvancedPublisher] = {}
+        self._publishers: dict[Key, zenoh.ext.AdvancedPublisher] = {}
 
     def put(self, vehicle_id: str, topic: str, source: str, payload: bytes) -> None:
         """Publish a message's payload; never waits for a reader."""
-        key = message_key(vehicle_id, topic, source)
+        key = Key(vehicle_id, topic, source)
         publisher = self._publishers.get(key)
         if publisher is None:
-            publisher = self._publishers[key] = self._declare(key, topic)
+            publisher = self._publishers[key] = self._declare(key)
         publisher.put(payload)
+
+    def forget(self, vehicle_id: str) -> None:
+        """Undeclare the publishers of a vehicle; its next message declares them anew."""
+        self._undeclare([key for key in self._publishers if key.vehicle_id == vehicle_id])
 
     def close(self) -> None:
         """Undeclare every publisher."""
-        for publisher in self._publishers.values():
-            publisher.undeclare()  # type: ignore[no-untyped-call]
-        self._publishers.clear()
+        self._undeclare(list(self._publishers))
 
-    def _declare(self, key: str, topic: str) -> zenoh.ext.AdvancedPublisher:
-        qos = QOS[topic]
+    def _undeclare(self, keys: Iterable[Key]) -> None:
+        for key in keys:
+            self._publishers.pop(key).undeclare()  # type: ignore[no-untyped-call]
+
+    def _declare(self, key: Key) -> zenoh.ext.AdvancedPublisher:
+        qos = QOS[key.topic]
         return zenoh.ext.declare_advanced_publisher(
             self._session,
-            key,
+            message_key(*key),
             encoding=ENCODING,
             congestion_control=qos.congestion_control,
             cache=zenoh.ext.CacheConfig(qos.cache_depth),
+            # a sporadic heartbeat would make the router wait for a slow reader
             sample_miss_detection=zenoh.ext.MissDetectionConfig(
-                heartbeat=None, sporadic_heartbeat=None
+                heartbeat=qos.heartbeat_s, sporadic_heartbeat=None
             ),
         )
 
 
 OnSample = Callable[[str, bytes], None]
 """Gets key and payload on Zenoh's thread; only enqueues."""
-OnMiss = Callable[[int], None]
-"""Gets the number of samples that are lost for good."""
+OnLoss = Callable[[int], None]
+"""Gets the number of samples that are lost for good, on Zenoh's thread."""
+
+
+class Gaps:
+    """Counts what a publisher numbered and a reader never got.
+
+    Zenoh hands samples over in the order of their numbers and a gap only when it has given up
+    recovering it, so a gap is a loss.
+    """
+
+    def __init__(self) -> None:
+        self._last: dict[str, int] = {}
+
+    def before(self, publisher: str, number: int) -> int:
+        """How many are missing between a publisher's sample and the one before."""
+        last = self._last.get(publisher)
+        self._last[publisher] = number
+        return 0 if last is None else max(number - last - 1, 0)
 
 
 class Subscription:
@@ -142,37 +166,39 @@ class Subscription:
         vehicle_ids: Iterable[str],
         topics: Iterable[str],
         on_sample: OnSample,
-        on_miss: OnMiss = lambda _: None,
+        on_loss: OnLoss = lambda _: None,
     ) -> None:
         names = tuple(topics)
         self._subscribers = [
-            self._subscribe(session, message_key(vehicle_id, topic, "*"), topic, on_sample)
+            self._subscribe(session, vehicle_id, topic, on_sample, on_loss)
             for vehicle_id in vehicle_ids
             for topic in names
-        ]
-        self._listeners = [
-            subscriber.sample_miss_listener(lambda miss: on_miss(miss.nb))
-            for subscriber in self._subscribers
         ]
 
     def close(self) -> None:
         """Undeclare every subscriber."""
-        for listener in self._listeners:
-            listener.undeclare()  # type: ignore[no-untyped-call]
         for subscriber in self._subscribers:
             subscriber.undeclare()  # type: ignore[no-untyped-call]
 
     @staticmethod
     def _subscribe(
-        session: zenoh.Session, key: str, topic: str, on_sample: OnSample
+        session: zenoh.Session, vehicle_id: str, topic: str, on_sample: OnSample, on_loss: OnLoss
     ) -> zenoh.ext.AdvancedSubscriber[None]:
+        gaps = Gaps()
+
+        def hear(sample: zenoh.Sample) -> None:
+            if (source := sample.source_info) is not None and (
+                lost := gaps.before(str(source.source_id), source.source_sn)
+            ):
+                on_loss(lost)
+            on_sample(str(sample.key_expr), sample.payload.to_bytes())
+
         depth = QOS[topic].history_depth
         history = zenoh.ext.HistoryConfig(max_samples=depth)
         return zenoh.ext.declare_advanced_subscriber(
             session,
-            key,
-            lambda sample: on_sample(str(sample.key_expr), sample.payload.to_bytes()),
+            message_key(vehicle_id, topic, "*"),
+            hear,
             history=history if depth else None,
-            # a timedelta, whatever the stub says
-            recovery=zenoh.ext.RecoveryConfig(periodic_queries=RECOVERY_PERIOD, heartbeat=None),  # type: ignore[arg-type]
+            recovery=zenoh.ext.RecoveryConfig(periodic_queries=None, heartbeat=True),
         )

@@ -31,7 +31,7 @@ class CanLog:
     `channel` is the one that is read, by the name or number that the file itself uses. `timezone`
     is an IANA name, of dates that a file has by the clock on the wall; `date` the day on which the
     times of a recording without a date begin, at midnight there. `own_frames` takes the frames
-    that the logger sent itself.
+    that the logger sent itself. Times without any date count from `undated_from_s` (Unix).
 
     A recording that cannot be read is one of `problems`, and the others are read; where nothing
     is left of any of them the first of these is raised (UnreadableError).
@@ -45,12 +45,14 @@ class CanLog:
         own_frames: bool = False,
         timezone: str = "UTC",
         date: dt.date | None = None,
+        undated_from_s: int = 0,
     ) -> None:
         self.paths = tuple(paths)
         self._channel = None if channel is None else str(channel)
         self._own_frames = own_frames
         self._zone = _zone(timezone, self.paths)
         self._date = date
+        self._undated_from_s = undated_from_s
         self.frames = 0
         """Read and not left out."""
         self.own = 0
@@ -65,7 +67,7 @@ class CanLog:
         """Recordings whose times have no date, neither of their own nor given."""
 
     @classmethod
-    def of(cls, source: CanSource) -> "CanLog":
+    def of(cls, source: CanSource, *, undated_from_s: int = 0) -> "CanLog":
         """As a `[[can]]` says."""
         return cls(
             [Path(path) for path in source.paths],
@@ -73,6 +75,7 @@ class CanLog:
             own_frames=source.own_frames,
             timezone=source.timezone,
             date=source.date,
+            undated_from_s=undated_from_s,
         )
 
     def __iter__(self) -> Generator[Frame]:
@@ -170,7 +173,7 @@ class CanLog:
         if first_s < DATED_FROM_S:
             if self._date is None:
                 self.undated += [] if path in self.undated else [path]
-                return 0
+                return self._undated_from_s * 1_000_000
             midnight = dt.datetime.combine(self._date, dt.time(), self._zone)
             return round(midnight.timestamp()) * 1_000_000
         if not is_local:

@@ -2,7 +2,7 @@
 
 import msgspec
 
-from wayline.messages import TOPICS, Message
+from wayline.messages import PAYLOAD_MAX_BYTES, TOPICS, Message
 
 ENCODING = "application/json"
 
@@ -16,5 +16,7 @@ def encode(message: Message) -> bytes:
 
 
 def decode(topic: str, payload: bytes) -> Message:
-    """A message of a topic. Raises msgspec.DecodeError for JSON that does not fit it."""
+    """A message of a topic. Raises msgspec.DecodeError for what does not fit it."""
+    if len(payload) > PAYLOAD_MAX_BYTES:
+        raise msgspec.DecodeError(f"{len(payload)} bytes are more than {PAYLOAD_MAX_BYTES}")
     return _decoders[topic].decode(payload)

@@ -14,7 +14,7 @@ class InputError(Exception):
         super().__init__("".join(each if each.isprintable() else "?" for each in line))
 
     def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
-        """It is raised again where another process did the work."""
+        """What pickles it, so that it can be raised again where another process did the work."""
         return type(self), (self.where, self.what, self.mend)
 
 

@@ -11,6 +11,7 @@ from starlette.datastructures import MutableHeaders
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from wayline import __version__
 from wayline.http_docs import add_docs
 from wayline.http_guard import LocalGuard, TokenGuard
 from wayline.http_problems import MEDIA_TYPE, Problem, answer_with_problems
@@ -63,40 +64,39 @@ class JsonAnswer(Response):
 
 
 def answers(struct: type[msgspec.Struct], description: str = "") -> dict[int | str, dict[str, Any]]:
-    """The `responses` of a path that answers with a Struct of `create_app(structs=...)`."""
+    """The `responses` of a path that answers with a Struct of `create_service_app(structs=...)`."""
     schema = {"$ref": SCHEMA_REF.format(name=struct.__name__)}
     content = {"application/json": {"schema": schema}}
     return {200: {"description": description or "Success", "content": content}}
 
 
-def create_app(
-    *,
-    title: str,
-    version: str,
-    healthz: Callable[[], Healthz],
+def create_service_app(
+    service: str,
     settings: HttpSettings,
+    *,
+    healthz: Callable[[], Healthz] | None = None,
     registry: CollectorRegistry | None = None,
     structs: Sequence[type[msgspec.Struct]] = (),
     is_open: Callable[[str], bool] = lambda _: False,
 ) -> FastAPI:
-    """An app with /healthz, /metrics, /docs, problem details and access rules; add paths to it.
+    """A service's app: /healthz, /metrics, /docs, problem details, access rules; add paths to it.
 
-    `registry` is what /metrics shows; `structs` are the answers' types for OpenAPI. With tokens,
-    everything needs one but /healthz, the documentation and what `is_open` says of a path.
-    Raises InputError for settings that would be too open.
+    Without `healthz` it says that it works. `registry` is what /metrics shows; `structs` are the
+    answers' types for OpenAPI. With tokens, everything needs one but /healthz, the documentation
+    and what `is_open` says of a path. Raises InputError for settings that would be too open.
     """
     check_exposure(settings)
     app = StructsApp(
         structs=(*structs, Healthz, Problem),
-        title=title,
-        version=version,
+        title=f"Wayline {service}",
+        version=__version__,
         docs_url=None,
         redoc_url=None,
         responses=PROBLEM_RESPONSES,
     )
     answer_with_problems(app)
     add_docs(app)
-    _add_health(app, healthz)
+    _add_health(app, healthz or (lambda: Healthz(ok=True, service=service, version=__version__)))
     _add_metrics(app, registry or CollectorRegistry())
     _guard(app, settings, is_open)
     app.add_middleware(SafeHeaders)

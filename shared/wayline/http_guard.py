@@ -5,7 +5,6 @@ ASGI middleware, so that WebSockets are guarded by the same lines as plain reque
 
 import base64
 import hmac
-import ipaddress
 from collections.abc import Callable, Sequence
 from urllib.parse import urlsplit
 
@@ -13,20 +12,11 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from wayline.http_problems import ProblemResponse, problem
+from wayline.http_settings import is_loopback
 
 TOKEN_PROTOCOL = "wayline.bearer."  # noqa: S105 - a prefix, not a token
 """A browser cannot set headers on a WebSocket, so it offers its token as a subprotocol:
 this prefix and the token in base64url without padding."""
-
-
-def is_loopback(host: str) -> bool:
-    """Whether a host name or address is this machine only."""
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host.strip("[]")).is_loopback
-    except ValueError:
-        return False
 
 
 def offered_token(headers: Headers) -> str | None:

@@ -1,22 +1,13 @@
 """Pure: where a service's HTTP listens, who may ask, and when that would be too open."""
 
+import ipaddress
 from typing import Annotated
 
 from msgspec import Meta
 
 from wayline.errors import InputError
-from wayline.http_guard import is_loopback
-from wayline.toml import Strict
+from wayline.strict import Strict
 
-PORTS = {
-    "dashboard": 8000,
-    "eta": 8001,
-    "slope-map": 8002,
-    "fusion": 8003,
-    "gps-ingest": 8004,
-    "can-ingest": 8005,
-}
-"""Each service's own port (SPEC section 5)."""
 MAKE_TOKEN = "python3 -c 'import secrets; print(secrets.token_urlsafe(32))'"  # noqa: S105
 
 Token = Annotated[str, Meta(pattern=r"^[!-~]+$")]
@@ -38,6 +29,16 @@ class HttpSettings(Strict, frozen=True, kw_only=True):
     """File with its private key, PEM."""
     behind_proxy: bool = False
     """A reverse proxy does TLS: serve plain HTTP and believe its X-Forwarded headers."""
+
+
+def is_loopback(host: str) -> bool:
+    """Whether a host name or address is this machine only."""
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return False
 
 
 def check_exposure(settings: HttpSettings) -> None:

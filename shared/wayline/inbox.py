@@ -16,6 +16,9 @@ class Sample(NamedTuple):
     key: str
     payload: bytes
     received_ns: int
+    """Unix time."""
+    heard_ns: int = 0
+    """The instant of receipt by the monotonic clock."""
 
 
 class Raw(NamedTuple):

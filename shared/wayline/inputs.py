@@ -7,6 +7,9 @@ class Tick(msgspec.Struct, frozen=True):
     """Measurement time has reached an instant of the grid (SPEC section 2)."""
 
     t_ns: int
+    age_ns: int = 0
+    """How old the newest message was when it came, by the host's clock (0 in a replay): so much
+    more than by `t_ns` everything is."""
 
 
 class Flush(msgspec.Struct, frozen=True):
@@ -21,7 +24,7 @@ class Sentence(msgspec.Struct, frozen=True):
     `arrival_ns` is when it was received; None in a log without times.
     """
 
-    arrival_ns: int | None
+    received_ns: int | None
     text: str
 
 

@@ -6,7 +6,9 @@ from typing import NamedTuple
 from wayline.drive import VEHICLE_ID_PATTERN
 from wayline.messages import TOPICS
 
-ROOT = "wayline/@v1"
+ROOT = "wayline/v1"
+FORMER_ROOT = "wayline/@v1"
+"""Of recordings made before the bus moved."""
 FLEET = "_fleet"
 """Stands for the vehicle in keys of a service that serves many."""
 
@@ -43,6 +45,12 @@ def parse_key(key: str) -> Key | None:
     if topic not in TOPICS or not (vehicle_id == FLEET or is_vehicle_id(vehicle_id)):
         return None
     return Key(vehicle_id, topic, source)
+
+
+def current_key(key: str) -> str:
+    """The key under which a recorded message is published today."""
+    former = f"{FORMER_ROOT}/"
+    return f"{ROOT}/{key.removeprefix(former)}" if key.startswith(former) else key
 
 
 def is_vehicle_id(text: str) -> bool:

@@ -26,7 +26,7 @@ from mcap.writer import CompressionType, Writer
 from wayline import __version__
 from wayline.codec import decode, encode
 from wayline.errors import InputError
-from wayline.keys import message_key, parse_key
+from wayline.keys import current_key, message_key, parse_key
 from wayline.mcap_schema import SCHEMA_ENCODING, schema_json, schema_name
 from wayline.messages import TOPICS, Message
 
@@ -126,7 +126,7 @@ def read_records(path: Path) -> Iterator[tuple[int, str, bytes]]:
     for record in _records(path):
         if isinstance(record, Channel):
             if _is_ours(record):
-                ours[record.id] = record.topic
+                ours[record.id] = current_key(record.topic)
             else:
                 foreign += 1
         elif isinstance(record, McapMessage) and record.channel_id in ours:
@@ -168,7 +168,8 @@ def is_finished(path: Path) -> bool:
 
 
 def _is_ours(channel: Channel) -> bool:
-    return channel.message_encoding == MessageEncoding.JSON and parse_key(channel.topic) is not None
+    is_json = channel.message_encoding == MessageEncoding.JSON
+    return is_json and parse_key(current_key(channel.topic)) is not None
 
 
 class _WholeReads(io.BufferedReader):

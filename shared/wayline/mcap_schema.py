@@ -60,7 +60,7 @@ def _pointed(schema: Mapping[str, Any], definitions: Mapping[str, Any]) -> Mappi
 
 
 def _type_of(schema: Mapping[str, Any]) -> str:
-    """Its `type`; an enumeration's is that of its values."""
+    """The `type` of a schema; an enumeration has the type of its values."""
     if "type" in schema:
         return str(schema["type"])
     return "string" if isinstance(schema["enum"][0], str) else "integer"

@@ -15,7 +15,27 @@ BearingDeg = Annotated[float, Meta(ge=0.0, lt=360.0)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 Positive = Annotated[float, Meta(gt=0.0)]
 Count = Annotated[int, Meta(ge=0)]
-TimeNs = Annotated[int, Meta(ge=0)]
+
+# What lies beyond is bad input, whoever sends it (SPEC section 2).
+EARLIEST_NS = 315_532_800_000_000_000
+"""1980, before any receiver of satellites."""
+LATEST_NS = 4_102_444_800_000_000_000
+"""2100."""
+SPEED_MAX_MPS = 200.0
+STD_MAX = 1e7
+"""In metres, more than a quarter of the Earth's girth: nothing is known."""
+TEXT_MAX = 256
+LIST_MAX = 2_000
+PAYLOAD_MAX_BYTES = 512 * 1024
+
+TimeNs = Annotated[int, Meta(ge=EARLIEST_NS, le=LATEST_NS)]
+Speed = Annotated[float, Meta(ge=0.0, le=SPEED_MAX_MPS)]
+SignedSpeed = Annotated[float, Meta(ge=-SPEED_MAX_MPS, le=SPEED_MAX_MPS)]
+Std = Annotated[float, Meta(ge=0.0, le=STD_MAX)]
+ReceiverStd = Annotated[float, Meta(gt=0.0, le=STD_MAX)]
+"""A receiver that claims 0 tells nothing."""
+Text = Annotated[str, Meta(max_length=TEXT_MAX)]
+AtMost = Meta(max_length=LIST_MAX)
 
 FixKind = Literal[
     "none", "gps", "dgps", "rtk_float", "rtk_fixed", "dead_reckoning", "manual", "simulator"
@@ -44,7 +64,7 @@ class GpsFix(Message, frozen=True, kw_only=True):
     lon_deg: LonDeg | None = None
     alt_m: float | None = None
     geoid_sep_m: float | None = None
-    speed_mps: NonNegative | None = None
+    speed_mps: Speed | None = None
     course_deg: BearingDeg | None = None
     mode: Literal[1, 2, 3] = 1
     fix: FixKind = "none"
@@ -52,10 +72,10 @@ class GpsFix(Message, frozen=True, kw_only=True):
     hdop: NonNegative | None = None
     pdop: NonNegative | None = None
     vdop: NonNegative | None = None
-    h_std_m: Positive | None = None
-    v_std_m: Positive | None = None
-    speed_std_mps: Positive | None = None
-    course_std_deg: Positive | None = None
+    h_std_m: ReceiverStd | None = None
+    v_std_m: ReceiverStd | None = None
+    speed_std_mps: ReceiverStd | None = None
+    course_std_deg: ReceiverStd | None = None
     repeat: bool = False
     """The receiver sent its last fix again instead of a fresh one; then `valid` is false."""
     speed_derived: bool = False
@@ -65,7 +85,7 @@ class GpsFix(Message, frozen=True, kw_only=True):
 class Satellite(msgspec.Struct, frozen=True, kw_only=True):
     """One satellite in view."""
 
-    system: str
+    system: Text
     prn: int
     elevation_deg: float | None = None
     azimuth_deg: float | None = None
@@ -79,7 +99,7 @@ class GpsSky(Message, frozen=True, kw_only=True):
     topic: ClassVar[str] = "gps_sky"
     rate_hz: ClassVar[float] = 1.0
 
-    satellites: tuple[Satellite, ...] = ()
+    satellites: Annotated[tuple[Satellite, ...], AtMost] = ()
 
 
 class Odometer(Message, frozen=True, kw_only=True):
@@ -88,7 +108,7 @@ class Odometer(Message, frozen=True, kw_only=True):
     topic: ClassVar[str] = "odometer"
     rate_hz: ClassVar[float] = 10.0
 
-    speed_mps: NonNegative | None = None
+    speed_mps: Speed | None = None
     distance_m: float | None = None
     """Cumulative, wraps removed."""
     reverse: bool | None = None
@@ -143,30 +163,30 @@ class Pose(Message, frozen=True, kw_only=True):
     lon_deg: LonDeg | None = None
     alt_m: float | None = None
     heading_deg: BearingDeg | None = None
-    speed_mps: float | None = None
+    speed_mps: SignedSpeed | None = None
     """Negative in reverse."""
     yaw_rate_degps: float | None = None
     grade_pct: float | None = None
     distance_m: NonNegative = 0.0
     """Travelled since start, only grows."""
-    east_std_m: NonNegative | None = None
-    north_std_m: NonNegative | None = None
+    east_std_m: Std | None = None
+    north_std_m: Std | None = None
     east_north_cov_m2: float | None = None
-    heading_std_deg: NonNegative | None = None
-    speed_std_mps: NonNegative | None = None
-    alt_std_m: NonNegative | None = None
-    grade_std_pct: NonNegative | None = None
+    heading_std_deg: Std | None = None
+    speed_std_mps: Std | None = None
+    alt_std_m: Std | None = None
+    grade_std_pct: Std | None = None
 
 
 class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     """A gate's decision on one measurement: normalised innovation squared against its threshold."""
 
-    sensor: str
+    sensor: Text
     t_ns: TimeNs
     accepted: bool
     nis: NonNegative
     threshold: NonNegative
-    reason: str | None = None
+    reason: Text | None = None
 
 
 class FusionStatus(Message, frozen=True, kw_only=True):
@@ -179,24 +199,24 @@ class FusionStatus(Message, frozen=True, kw_only=True):
     rate_hz: ClassVar[float] = 1.0
 
     gyro_bias_degps: float | None = None
-    gyro_bias_std_degps: NonNegative | None = None
+    gyro_bias_std_degps: Std | None = None
     gyro_scale: float | None = None
-    gyro_scale_std: NonNegative | None = None
+    gyro_scale_std: Std | None = None
     odometer_scale: float | None = None
-    odometer_scale_std: NonNegative | None = None
+    odometer_scale_std: Std | None = None
     baro_bias_m: float | None = None
-    baro_bias_std_m: NonNegative | None = None
+    baro_bias_std_m: Std | None = None
     torque_bias_pct: float | None = None
-    torque_bias_std_pct: NonNegative | None = None
+    torque_bias_std_pct: Std | None = None
     mass_kg: Positive | None = None
-    mass_std_kg: NonNegative | None = None
+    mass_std_kg: Std | None = None
     gps_latency_s: float | None = None
-    gps_latency_std_s: NonNegative | None = None
+    gps_latency_std_s: Std | None = None
     calibration: Calibration = "none"
     outage_s: NonNegative = 0.0
     late: Count = 0
     rejected: Count = 0
-    verdicts: tuple[Verdict, ...] = ()
+    verdicts: Annotated[tuple[Verdict, ...], AtMost] = ()
 
 
 class Progress(Message, frozen=True, kw_only=True):
@@ -205,23 +225,23 @@ class Progress(Message, frozen=True, kw_only=True):
     topic: ClassVar[str] = "progress"
     rate_hz: ClassVar[float] = 1.0
 
-    route_id: str
-    trip_id: str | None = None
+    route_id: Text
+    trip_id: Text | None = None
     distance_m: NonNegative
     lap: Count = 0
     lat_deg: LatDeg
     lon_deg: LonDeg
     cross_track_m: float
-    distance_std_m: NonNegative
+    distance_std_m: Std
     on_route: bool
-    speed_mps: float
+    speed_mps: SignedSpeed
 
 
 class StopArrival(msgspec.Struct, frozen=True, kw_only=True):
     """The next arrival at one stop: median and the 10 and 90 % quantiles."""
 
-    stop_id: str
-    name: str
+    stop_id: Text
+    name: Text
     distance_m: NonNegative
     arrival_ns: TimeNs
     early_ns: TimeNs
@@ -234,9 +254,11 @@ class Arrivals(Message, frozen=True, kw_only=True):
     topic: ClassVar[str] = "arrivals"
     rate_hz: ClassVar[float] = 1.0
 
-    route_id: str
+    route_id: Text
     stale: bool
-    stops: tuple[StopArrival, ...] = ()
+    position_ns: TimeNs | None = None
+    """Instant of the position that this rests on."""
+    stops: Annotated[tuple[StopArrival, ...], AtMost] = ()
 
 
 class HorizonPoint(msgspec.Struct, frozen=True, kw_only=True):
@@ -244,7 +266,7 @@ class HorizonPoint(msgspec.Struct, frozen=True, kw_only=True):
 
     distance_m: NonNegative
     grade_pct: float | None = None
-    grade_std_pct: NonNegative | None = None
+    grade_std_pct: Std | None = None
     alt_m: float | None = None
     runs: Count = 0
     updated_ns: TimeNs | None = None
@@ -256,9 +278,12 @@ class Horizon(Message, frozen=True, kw_only=True):
     topic: ClassVar[str] = "horizon"
     rate_hz: ClassVar[float] = 1.0
 
-    road_id: str | None = None
+    road_id: Text | None = None
+    direction: Literal[1, -1] | None = None
+    """Of travel: 1 along the road's stored line, -1 against it."""
     position_m: float | None = None
-    points: tuple[HorizonPoint, ...] = ()
+    """Along the road's line from its start."""
+    points: Annotated[tuple[HorizonPoint, ...], AtMost] = ()
 
 
 class Health(Message, frozen=True, kw_only=True):
@@ -267,8 +292,8 @@ class Health(Message, frozen=True, kw_only=True):
     topic: ClassVar[str] = "health"
     rate_hz: ClassVar[float] = 1.0
 
-    service: str
-    version: str
+    service: Text
+    version: Text
     started_ns: TimeNs
     in_rate_hz: NonNegative = 0.0
     out_rate_hz: NonNegative = 0.0
@@ -277,7 +302,9 @@ class Health(Message, frozen=True, kw_only=True):
     bad_input: Count = 0
     lag_ms_p50: float | None = None
     lag_ms_p99: float | None = None
-    detail: str | None = None
+    detail: Text | None = None
+    recorded: bool = False
+    """What this source publishes is a recording that is played, so its times may be old."""
 
 
 MESSAGES: tuple[type[Message], ...] = (

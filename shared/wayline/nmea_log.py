@@ -1,4 +1,4 @@
-"""Reads a recorded NMEA 0183 log: text lines, plain or with the time of their arrival before them.
+"""Reads a recorded NMEA 0183 log: text lines, plain or with the time of their receipt before them.
 
 A log is read as bytes, because receivers mix binary messages in (see `wayline.framing`).
 """
@@ -11,14 +11,14 @@ from wayline.errors import InputError
 from wayline.framing import split_sentences
 from wayline.inputs import Sentence
 
-ARRIVAL = re.compile(r"(\d{1,12})(?:\.(\d{1,9})\d*)?\s+(?=[$!])")
+RECEIPT = re.compile(r"(\d{1,12})(?:\.(\d{1,9})\d*)?\s+(?=[$!])")
 DATED = re.compile(
     rb"\$[A-Z]{2}(?:RMC,(?:[^,*\r\n]*,){8}\d{6}[,*\r\n]|ZDA,[^,*\r\n]*,\d\d?,\d\d?,\d{4}[,*\r\n])"
 )
 
 
 def read_sentences(path: Path) -> Iterator[Sentence]:
-    """Sentences of a log in order, each with its arrival where the log holds it.
+    """Sentences of a log in order, each with its receipt where the log holds it.
 
     Lines may end in CR LF, CR CR LF, CR or LF. Comment lines (`#`) and bytes outside sentences are
     skipped. Raises InputError if the file cannot be opened.
@@ -26,9 +26,9 @@ def read_sentences(path: Path) -> Iterator[Sentence]:
     for line in _lines(path):
         text = line.decode("latin-1")
         if not text.startswith("#"):
-            arrival_ns = _arrival_ns(text)
+            received_ns = _received_ns(text)
             for sentence in split_sentences(text):
-                yield Sentence(arrival_ns, sentence)
+                yield Sentence(received_ns, sentence)
 
 
 def has_date(path: Path) -> bool:
@@ -58,8 +58,8 @@ def _lines(path: Path) -> Iterator[bytes]:
         ) from None
 
 
-def _arrival_ns(text: str) -> int | None:
-    found = ARRIVAL.match(text)
+def _received_ns(text: str) -> int | None:
+    found = RECEIPT.match(text)
     if not found:
         return None
     return int(found[1]) * 1_000_000_000 + int((found[2] or "").ljust(9, "0"))

@@ -1,13 +1,13 @@
-"""Runs one core: ticks on its grid, its records to its store, the store's answers back."""
+"""Pure: runs one core: ticks on its grid, its records to its store, the store's answers back."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import msgspec
 
-from wayline.core import Core, Record, Store
+from wayline.core import Core, Sleep, Store
 from wayline.grid import TickGrid
-from wayline.inputs import Flush
+from wayline.inputs import Flush, Tick
 from wayline.messages import Message
 
 
@@ -21,28 +21,32 @@ class Node:
     name: str
     core: Core
     store: Store | None = None
+    wakes_ns: int | None = field(init=False, default=0)
+    """Time before this changes nothing while no message comes; None: no time does."""
+    age_ns: int = field(init=False, default=0)
+    """Of the newest message when it came."""
     _grid: TickGrid | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         if self.core.period_ns is not None:
             self._grid = TickGrid(self.core.period_ns)
 
-    def take(self, message: Message, source: str) -> Iterator[Message]:
-        """Give a bus message to the core, with the ticks that it makes due."""
-        if self._grid is None:
-            yield from self.give(message, source)
-            return
-        for tick in self._grid.before(message.t_ns):
-            yield from self.give(tick, source)
+    def take(self, message: Message, source: str, age_ns: int = 0) -> Iterator[Message]:
+        """Give a bus message to the core, with the ticks that it makes due.
+
+        `age_ns` is how old the message was when it came, by the host's clock.
+        """
+        if self._grid is not None:
+            yield from self._ticked(self._grid.before(message.t_ns))
+        self.wakes_ns, self.age_ns = 0, age_ns
         yield from self.give(message, source)
-        for tick in self._grid.at(message.t_ns):
-            yield from self.give(tick, source)
+        if self._grid is not None:
+            yield from self._ticked(self._grid.at(message.t_ns))
 
     def advance(self, t_ns: int) -> Iterator[Message]:
         """Let time pass without a message."""
-        if self._grid is not None:
-            for tick in self._grid.before(t_ns):
-                yield from self.give(tick, self.name)
+        if self._grid is not None and self.wakes_ns is not None and t_ns >= self.wakes_ns:
+            yield from self._ticked(self._grid.before(t_ns))
 
     def finish(self, t_ns: int) -> Iterator[Message]:
         """Tell the core that input has ended."""
@@ -50,10 +54,17 @@ class Node:
 
     def give(self, message: msgspec.Struct, source: str) -> Iterator[Message]:
         """Give any input to the core and yield what it puts on the bus."""
-        outputs: Sequence[Message | Record] = self.core.handle(message, source)
-        for output in outputs:
-            if isinstance(output, Message):
-                yield output
-            elif self.store is not None:
-                for answer in self.store.save(output):
-                    yield from self.give(answer, self.name)
+        for output in self.core.handle(message, source):
+            match output:
+                case Message():
+                    yield output
+                case Sleep():
+                    self.wakes_ns = output.until_ns
+                case _ if self.store is not None:
+                    for answer in self.store.save(output):
+                        yield from self.give(answer, self.name)
+
+    def _ticked(self, ticks: Iterator[Tick]) -> Iterator[Message]:
+        for tick in ticks:
+            aged = Tick(tick.t_ns, self.age_ns) if self.age_ns else tick
+            yield from self.give(aged, self.name)

@@ -7,7 +7,7 @@ import msgspec
 import zenoh
 
 from wayline.keys import query_key
-from wayline.toml import Strict
+from wayline.strict import Strict
 
 LEAD_S = 2.0
 """Players start this long after the first of them came, so that the others find it."""

@@ -7,9 +7,9 @@ from contextlib import AbstractContextManager
 
 import msgspec
 
-from wayline.arrival import Arrival, Recording, Sources
 from wayline.messages import Message
 from wayline.play_clock import LEAD_S, PlayClock
+from wayline.received import Received, Recording, Sources
 
 PAUSE_NS = 1_000_000_000
 """Between the end of a loop and the next one's start."""
@@ -86,46 +86,46 @@ class Playback:
         shift_ns = clock.start_ns - clock.origin_ns if self._options.now else 0
         while not stop.is_set():
             offset_ns = self._loops * clock.period_ns
-            for arrival in self._arrivals():
-                self._wait_until_due(clock, arrival.arrival_ns + offset_ns, stop)
+            for received in self._received():
+                self._wait_until_due(clock, received.received_ns + offset_ns, stop)
                 if stop.is_set():
                     return
-                put(shifted(arrival, shift_ns + offset_ns))
+                put(shifted(received, shift_ns + offset_ns))
                 self._played += 1
             if not self._options.loop:
                 return
             self._loops += 1
 
-    def _arrivals(self) -> Iterator[Arrival]:
+    def _received(self) -> Iterator[Received]:
         self._bad_input = self.bad_input
         self._playing = self._open_recordings()
         return iter(Sources(self._playing))
 
     def _own_clock(self, stop: threading.Event) -> PlayClock | None:
         """Where the own recordings begin, and, to loop, how long they last; None if empty."""
-        arrivals = self._arrivals()
-        first = last = next(arrivals, None)
-        while self._options.loop and not stop.is_set() and (later := next(arrivals, None)):
+        messages = self._received()
+        first = last = next(messages, None)
+        while self._options.loop and not stop.is_set() and (later := next(messages, None)):
             last = later
         self._bad_input, self._playing = 0, ()
         if first is None or last is None:
             return None
         return PlayClock(
-            origin_ns=first.arrival_ns,
+            origin_ns=first.received_ns,
             start_ns=time.time_ns() + round(LEAD_S * 1e9),
-            period_ns=last.arrival_ns - first.arrival_ns + PAUSE_NS,
+            period_ns=last.received_ns - first.received_ns + PAUSE_NS,
         )
 
-    def _wait_until_due(self, clock: PlayClock, arrival_ns: int, stop: threading.Event) -> None:
-        due_ns = clock.start_ns + round((arrival_ns - clock.origin_ns) / self._options.speed)
+    def _wait_until_due(self, clock: PlayClock, received_ns: int, stop: threading.Event) -> None:
+        due_ns = clock.start_ns + round((received_ns - clock.origin_ns) / self._options.speed)
         wait_s = (due_ns - time.time_ns()) * 1e-9
         if wait_s > 0.0:
             stop.wait(wait_s)
 
 
-def shifted(arrival: Arrival, shift_ns: int) -> Played:
-    """The message of an arrival under its own source, moved in time."""
-    message = arrival.message
+def shifted(received: Received, shift_ns: int) -> Played:
+    """A received message under its own source, moved in time."""
+    message = received.message
     if shift_ns:
         message = msgspec.structs.replace(message, t_ns=message.t_ns + shift_ns)
-    return Played(arrival.source, message)
+    return Played(received.source, message)

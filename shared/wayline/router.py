@@ -13,10 +13,10 @@ import msgspec
 import zenoh
 
 from wayline.bus import client_config
+from wayline.ending import ending_on_signals
 from wayline.errors import InputError
-from wayline.http_guard import is_loopback
+from wayline.http_settings import is_loopback
 from wayline.settings import BusSettings, load_settings
-from wayline.stop import stop_on_signals
 
 
 def router_config(settings: BusSettings) -> zenoh.Config:
@@ -70,12 +70,12 @@ def main() -> None:
     parser.add_argument("--config", type=Path, required=True, help="the services' file")
     path: Path = parser.parse_args().config
     try:
-        with stop_on_signals() as stop:
+        with ending_on_signals() as ending:
             settings = load_settings(path).bus
             with open_router(settings):
                 sys.stdout.write(f"routing at {settings.connect[0]}\n")
                 sys.stdout.flush()
-                stop.wait()
+                ending.wait()
     except InputError as error:
         sys.stderr.write(f"wayline-router: {error}\n")
         sys.exit(2)

@@ -3,19 +3,26 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import msgspec
 from msgspec import Meta
 
-from wayline.drive import VEHICLE_ID_PATTERN, CanMapping, Vehicle, VehicleId
+from wayline.drive import VEHICLE_ID_PATTERN, Vehicle, VehicleId
 from wayline.errors import InputError
-from wayline.http_settings import PORTS, HttpSettings
+from wayline.http_settings import HttpSettings
+from wayline.live_sources import LiveCan, LiveNmea
 from wayline.profile import with_profiles
-from wayline.toml import Strict, fitted, read_toml
+from wayline.services import SERVICES
+from wayline.strict import Strict, fitted
+from wayline.toml import read_toml
 from wayline.tuning import Tuning
 
-ServiceName = Literal["gps-ingest", "can-ingest", "fusion", "eta", "slope-map", "dashboard"]
+if TYPE_CHECKING:
+    ServiceName = str
+else:
+    # a Literal, so that whoever misspells a name is told which there are
+    ServiceName = Literal[tuple(SERVICES)]
 Port = Annotated[int, Meta(ge=0, le=65535)]
 EVERY_VEHICLE = "*"
 Served = Annotated[str, Meta(pattern=rf"^(\*|{VEHICLE_ID_PATTERN.strip('^$')})$")]
@@ -37,27 +44,6 @@ class BusSettings(Strict, frozen=True, kw_only=True):
     """PEM file with its private key."""
 
 
-class LiveNmea(Strict, frozen=True, kw_only=True):
-    """`[[nmea]]`: a receiver."""
-
-    url: Annotated[str, Meta(pattern=r"^(serial|tcp|udp|gpsd)://")]
-    """serial:///dev/ttyUSB0, tcp://host:port, udp://:port or gpsd://host:2947"""
-    baud: Annotated[int, Meta(gt=0)] | None = None
-    """Of a serial line; found by itself where it is not given."""
-
-
-class LiveCan(CanMapping, frozen=True, kw_only=True):
-    """`[[can]]`: a bus, by python-can's names of interface and channel."""
-
-    interface: str
-    channel: str | int
-    bitrate: Annotated[int, Meta(gt=0)] | None = None
-    options: dict[str, str | int | float | bool] = {}
-    """What else python-can's interface takes, by its own names."""
-    obd2: bool | None = None
-    """Ask a car for its values over ISO-TP; by default where `vehicle.profile` is obd2."""
-
-
 class RerunSettings(Strict, frozen=True, kw_only=True):
     """`[rerun]`: fusion's live view."""
 
@@ -67,7 +53,7 @@ class RerunSettings(Strict, frozen=True, kw_only=True):
     memory_limit: str = "256MB"
     """What late viewers can still see."""
     record: str | None = None
-    """Also write an .rrd file there."""
+    """File (.rrd) that the live view is also written to."""
 
 
 class Settings(Strict, frozen=True, kw_only=True):
@@ -77,6 +63,8 @@ class Settings(Strict, frozen=True, kw_only=True):
     """The vehicle that this machine rides on."""
     vehicles: tuple[Served, ...] = ()
     """On a server: the vehicles served; `["*"]` is every vehicle heard."""
+    forget_vehicle_after_s: Annotated[float, Meta(gt=0.0)] = 3600.0
+    """Of every vehicle: one that is silent this long is dropped until it is heard again."""
     services: tuple[ServiceName, ...] = ()
     """What `wayline up` runs."""
     router: bool = False
@@ -115,8 +103,9 @@ class Settings(Strict, frozen=True, kw_only=True):
 
     def http_of(self, service: str) -> HttpSettings:
         """HTTP settings of one service, with its port."""
-        port = next((p for name, p in self.ports.items() if name == service), self.http.port)
-        return msgspec.structs.replace(self.http, port=PORTS[service] if port is None else port)
+        port = self.ports.get(service, self.http.port)
+        own = SERVICES[service].port if port is None else port
+        return msgspec.structs.replace(self.http, port=own)
 
 
 def load_settings(path: Path, environment: Mapping[str, str] = os.environ) -> Settings:

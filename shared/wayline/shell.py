@@ -10,15 +10,17 @@ from pathlib import Path
 from msgspec.structs import replace
 
 from wayline import __version__
-from wayline.arrival import Recording, begun
 from wayline.bus import open_session
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
-from wayline.http import Healthz, create_app
+from wayline.http import Healthz, create_service_app
+from wayline.loop import run
 from wayline.play_clock import PlayClock, agree
 from wayline.playback import Playback, PlayOptions
-from wayline.route import Route, load_route
-from wayline.service import Service, run
+from wayline.received import Recording, begun
+from wayline.route import Route
+from wayline.route_file import load_route
+from wayline.service import Service
 from wayline.settings import Settings, load_settings, overridden
 from wayline.telemetry import Telemetry
 
@@ -99,13 +101,8 @@ def plain_app(name: str, settings: Settings) -> MakeApp:
     """An app with nothing but health and metrics."""
 
     def make(healthz: Callable[[], Healthz], telemetry: Telemetry) -> object:
-        return create_app(
-            title=f"Wayline {name}",
-            version=__version__,
-            healthz=healthz,
-            settings=settings.http_of(name),
-            registry=telemetry.registry,
-        )
+        http = settings.http_of(name)
+        return create_service_app(name, http, healthz=healthz, registry=telemetry.registry)
 
     return make
 

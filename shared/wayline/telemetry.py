@@ -15,12 +15,13 @@ LAG_BUCKETS_S = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0,
 class Telemetry:
     """Counters of one service since its start."""
 
-    def __init__(self, service: str, started_ns: int) -> None:
+    def __init__(self, service: str, started_ns: int, *, recorded: bool = False) -> None:
         self.registry = CollectorRegistry()
-        self._service, self._started_ns = service, started_ns
+        self._service, self._started_ns, self._recorded = service, started_ns, recorded
         self._received = 0
         self._published = 0
-        self._lost = 0
+        self.lost_count = 0
+        """Samples that never came."""
         self._bad_input = 0
         self._lags_s: deque[float] = deque(maxlen=LAGS_KEPT)
         self._last = (started_ns, 0, 0)
@@ -57,7 +58,7 @@ class Telemetry:
 
     def lost(self, count: int) -> None:
         """Samples were lost on the bus for good."""
-        self._lost += count
+        self.lost_count += count
 
     def bad(self) -> None:
         """Something could not be read and was dropped."""
@@ -72,7 +73,7 @@ class Telemetry:
         self._last = (now_ns, self._received, self._published)
         p50, p99 = self._lag_quantiles_ms()
         bad_input += self._bad_input
-        dropped += self._lost
+        dropped += self.lost_count
         self._dropped.set(dropped)
         self._bad.set(bad_input)
         self._backlog.set(backlog)
@@ -89,6 +90,7 @@ class Telemetry:
             lag_ms_p50=p50,
             lag_ms_p99=p99,
             detail=detail,
+            recorded=self._recorded,
         )
 
     def _lag_quantiles_ms(self) -> tuple[float | None, float | None]:

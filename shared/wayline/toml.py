@@ -1,20 +1,11 @@
-"""Reads a TOML file into a frozen Struct; what does not fit is one clear error."""
+"""Reads TOML files."""
 
-import re
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, TypeVar
-
-import msgspec
+from typing import Any
 
 from wayline.errors import InputError
-
-StructType = TypeVar("StructType", bound=msgspec.Struct)
-
-
-class Strict(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A table of a configuration or drive file; a key that it does not know is refused."""
+from wayline.strict import StructType, fitted
 
 
 def load_toml(path: Path, struct: type[StructType]) -> StructType:
@@ -32,50 +23,3 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError(str(path), f"cannot be read ({error})", "check the file") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(str(path), f"is not TOML ({error})", "correct that line") from None
-
-
-def fitted(tables: object, struct: type[StructType], where: str) -> StructType:
-    """Tables as a struct, or raise InputError naming `where`, the key and the mend."""
-    try:
-        return msgspec.convert(tables, struct)
-    except msgspec.ValidationError as error:
-        raise _explained(where, error, struct) from None
-
-
-def _explained(
-    where: str, error: msgspec.ValidationError, struct: type[msgspec.Struct]
-) -> InputError:
-    message, _, place = str(error).partition(" - at `$")
-    key = place.rstrip("`").lstrip(".") or "top level"
-    if unknown := re.search(r"unknown field `(.+)`", message):
-        name = unknown[1] if key == "top level" else f"{key}.{unknown[1]}"
-        return InputError(where, f"unknown key {name}", "remove it or correct its spelling")
-    if missing := re.search(r"missing required field `(.+)`", message):
-        name = missing[1] if key == "top level" else f"{key}.{missing[1]}"
-        return InputError(where, f"missing key {name}", "add it")
-    choices = _choices(struct, key)
-    mend = f"give one of {', '.join(choices)}" if choices else "correct that value"
-    return InputError(where, f"{key}: {message}", mend)
-
-
-def _choices(struct: type[msgspec.Struct], key: str) -> list[str]:
-    """The words that a value may be; empty where it is no word of a few."""
-    kinds = [msgspec.inspect.type_info(struct)]
-    for name in re.findall(r"[^.\[\]]+", key.replace("[...]", "[*]")):
-        kinds = [inner for kind in kinds for inner in _within(kind, name)]
-    literals = (kind for kind in kinds if isinstance(kind, msgspec.inspect.LiteralType))
-    return [str(value) for literal in literals for value in literal.values]
-
-
-def _within(kind: msgspec.inspect.Type, name: str) -> Iterator[msgspec.inspect.Type]:
-    """Types of one place in a table or list."""
-    match kind:
-        case msgspec.inspect.UnionType():
-            for each in kind.types:
-                yield from _within(each, name)
-        case msgspec.inspect.StructType():
-            yield from (field.type for field in kind.fields if field.encode_name == name)
-        case msgspec.inspect.VarTupleType() | msgspec.inspect.ListType():
-            yield kind.item_type
-        case msgspec.inspect.DictType():
-            yield kind.value_type

@@ -8,17 +8,18 @@ import inspect
 import sys
 import textwrap
 import typing
+from collections.abc import Iterator
 from types import NoneType, UnionType
 
 import msgspec
 
-from wayline.messages import MESSAGES, Message, field_types, stale_after_s
+from wayline.messages import MESSAGES, Message, TimeNs, field_types, stale_after_s
 
 HEAD = """# Topics of the bus
 
 Generated from `shared/wayline/messages.py` by `python -m wayline.topics_doc`; do not edit.
 
-Key: `wayline/@v1/<vehicle_id>/<topic>/<source>`. Payload: JSON of one message. A field that may be
+Key: `wayline/v1/<vehicle_id>/<topic>/<source>`. Payload: JSON of one message. A field that may be
 null is unknown when null. Units are in the names.
 """
 
@@ -49,16 +50,25 @@ def _table(struct: type[msgspec.Struct]) -> str:
 
 def _structs(message: type[Message]) -> list[tuple[str, type[msgspec.Struct]]]:
     """Fields that hold lists of objects, with the object's type."""
-    found = []
-    for name, annotation in field_types(message).items():
-        for part in typing.get_args(annotation):
-            if isinstance(part, type) and issubclass(part, msgspec.Struct):
-                found.append((name, part))
-    return found
+    return [
+        (name, part)
+        for name, annotation in field_types(message).items()
+        for part in _parts(annotation)
+        if isinstance(part, type) and issubclass(part, msgspec.Struct)
+    ]
+
+
+def _parts(annotation: object) -> Iterator[object]:
+    """Everything that a type is put together of."""
+    for part in typing.get_args(annotation):
+        yield part
+        yield from _parts(part)
 
 
 def _type(annotation: object) -> str:
     origin, parts = typing.get_origin(annotation), typing.get_args(annotation)
+    if annotation == TimeNs:
+        return "nanoseconds since 1970, in 1980 to 2100"
     if origin is typing.Annotated:
         return f"{_type(parts[0])} {_bounds(parts[1:])}".strip()
     if origin in (typing.Union, UnionType):
@@ -74,7 +84,7 @@ def _type(annotation: object) -> str:
 
 
 def _bounds(metas: tuple[object, ...]) -> str:
-    signs = {"ge": ">=", "gt": ">", "le": "<=", "lt": "<"}
+    signs = {"ge": ">=", "gt": ">", "le": "<=", "lt": "<", "max_length": "of at most"}
     return ", ".join(
         f"{sign} {getattr(meta, name):g}"
         for meta in metas

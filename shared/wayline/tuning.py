@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.messages import LIST_MAX
+from wayline.strict import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
 Probability = Annotated[float, Meta(gt=0.0, lt=1.0)]
@@ -44,11 +45,13 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Positions that are rejected and agree with each other are believed after as long as others
     were before them, and at the latest after this: one set of walls reflects for a minute or so."""
     relock_at_once_s: Positive = 5.0
-    """...and at the earliest after this."""
+    """Positions that are rejected and agree with each other are believed after this at the
+    earliest."""
     relock_after_outage_s: Positive = 25.0
-    """At the latest after an outage, when dead reckoning is the one to doubt..."""
+    """Positions that are rejected and agree with each other are believed after this at the latest
+    where an outage (`relock_outage_s`) came before: dead reckoning is the one to doubt."""
     relock_outage_s: Positive = 60.0
-    """...which it is when it has lasted so long."""
+    """Dead reckoning is the one to doubt after an outage that lasted so long."""
     reacquire_probability: Probability = 0.99
     """After such an outage positions less likely than this wait to be confirmed: a receiver that
     has just found its satellites again may be hundreds of metres off."""
@@ -86,9 +89,9 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Side slip, and what the model leaves out: courses that are cut to tenths of a degree are 2 m
     off at 20 m/s after two minutes."""
     acceleration_std_mps2: Positive = 0.7
-    """Of cars under way: 0.4 on main roads, 0.7 in town..."""
+    """Accelerations of cars under way: 0.4 on main roads, 0.7 in town."""
     acceleration_time_s: Positive = 5.0
-    """...for so long. Harder braking is noticed when it happens."""
+    """Cars keep an acceleration for so long. Harder braking is noticed when it happens."""
     acceleration_max_mps2: Positive = 10.0
     """Tyres hold no more; wheels that change their speed faster have locked or spin."""
     acceleration_noise_mps_per_sqrt_s: Positive = 1.5
@@ -96,9 +99,11 @@ class Tuning(Strict, frozen=True, kw_only=True):
     gyro_noise_deg_per_sqrt_s: Positive = 0.01
     """Angle random walk of a MEMS gyro in a vehicle that vibrates, besides its steps."""
     turn_noise_deg_per_sqrt_s: Positive = 10.0
-    """Without a gyro, headings change by this much in a second..."""
+    """Without a gyro, headings change by this much in a second, at speed by less
+    (`lateral_acceleration_std_mps2`)."""
     lateral_acceleration_std_mps2: Positive = 1.5
-    """...but at speed by no more than this over the speed: curves are driven at up to 3."""
+    """Without a gyro, headings change at speed by no more than this over the speed: curves are
+    driven at up to 3."""
     gyro_bias_initial_std_degps: Positive = 1.0
     """A MEMS gyro from the box."""
     gyro_bias_walk_degps_per_sqrt_s: Positive = 0.0015
@@ -124,13 +129,13 @@ class Tuning(Strict, frozen=True, kw_only=True):
     calibrated_scale_std: Positive = 0.005
     """Scale known this well costs 5 m after 1 km."""
     gyro_bias_switch_on_std_degps: Positive = 0.02
-    """Switched off and on, a gyro has another bias, besides what warmth and time do to it..."""
+    """A gyro switched off and on has another bias, besides what warmth and time do to it."""
     gyro_bias_drift_degps_per_c: Positive = 0.01
-    """...and this is what warmth does."""
+    """Warmth changes a gyro's bias by this much."""
     parked_position_std_m: Positive = 30.0
     """A parked vehicle may have been moved, or driven off while its computer started."""
     parked_heading_std_deg: Positive = 3.0
-    """The same for its heading."""
+    """A parked vehicle's heading may have changed, as its position."""
 
     # fusion, vertical
     vertical_sensors: tuple[Literal["gps", "barometer"], ...] = ("gps", "barometer")
@@ -144,13 +149,14 @@ class Tuning(Strict, frozen=True, kw_only=True):
     baro_bias_walk_m_per_sqrt_s: Positive = 0.05
     """Weather and ventilation: 3 m in an hour."""
     baro_std_m: Positive = 0.5
-    """Besides its resolution."""
+    """Noise of a barometer besides its resolution."""
     baro_resolution_std_max_m: Positive = 5.0
     """Coarser barometers say nothing of the road."""
     altitude_gate_nis: Positive = 15.0
-    """Altitude of a fix further off than this (squared, in stds) is left out..."""
+    """A fix's altitude further off than this (squared, in stds) is left out, unless
+    `altitude_rejections_max` in a row were."""
     altitude_rejections_max: int = 10
-    """...unless this many in a row were."""
+    """After so many altitudes left out in a row the next one is believed."""
 
     # eta
     route_filter: Literal["default", "avl"] = "default"
@@ -201,3 +207,11 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """How far the horizon looks."""
     horizon_step_m: Positive = 20.0
     """Between the points of the horizon."""
+
+    def __post_init__(self) -> None:
+        points = self.horizon_length_m / self.horizon_step_m + 1.0
+        if points > LIST_MAX:
+            raise ValueError(
+                f"horizon_length_m over horizon_step_m makes {points:,.0f} points, more than "
+                f"{LIST_MAX:,}"
+            )

@@ -11,9 +11,12 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from browser.shuttle import SECOND_NS, Shuttle
 from wayline.http_server import HttpServer
 from wayline.http_settings import HttpSettings
+from wayline.messages import Message
+from wayline.view import Receipt
 from wayline_dashboard.app import create_dashboard
 from wayline_dashboard.live_view import LiveView
 from wayline_dashboard.page import NOT_BUILT, STATIC
+from wayline_dashboard.view import FleetView
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = [
@@ -54,9 +57,23 @@ class Watched:
         self.page = page
         self.complaints: list[str] = []
         self.requested: set[str] = set()
+        self.views: list[FleetView] = []
         page.on("console", self._note_console)
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("request", lambda request: self.requested.add(request.url))
+        page.on("websocket", lambda line: line.on("framereceived", self._note_view))
+
+    def told_whole(self) -> list[str]:
+        """Vehicles of which the page was told the horizon, one by one."""
+        return [
+            vehicle.vehicle_id
+            for view in self.views
+            for vehicle in view.vehicles
+            if vehicle.horizon is not None
+        ]
+
+    def _note_view(self, text: str | bytes) -> None:
+        self.views.append(msgspec.json.decode(text, type=FleetView))
 
     def _note_console(self, message: object) -> None:
         kind, text = getattr(message, "type", ""), getattr(message, "text", "")
@@ -78,15 +95,23 @@ class Stage:
 
     def __init__(self) -> None:
         self.shuttle = Shuttle(time.time_ns() - 60 * SECOND_NS, outage=range(90, 10_000))
-        self.live = LiveView()
+        self.clock_step_ns = 0
+        self.live = LiveView(wall_ns=lambda: time.time_ns() + self.clock_step_ns)
         self.settings = HttpSettings(port=0)
         self.server = self._make()
 
-    def drive(self, first: int, last: int) -> None:
-        """Put the steps from `first` up to `last` on the bus."""
+    def drive(self, first: int, last: int, vehicle_id: str = "shuttle-1") -> None:
+        """Put a vehicle's steps from `first` up to `last` on the bus."""
         for step in range(first, last):
             for message, source in self.shuttle.messages(step):
-                self.live.put("shuttle-1", message, source)
+                self.put(vehicle_id, message, source)
+
+    def put(
+        self, vehicle_id: str, message: Message, source: str, *, recorded: bool = False
+    ) -> None:
+        """Put a message on the bus, as old as it is; one of a recording is as new as it comes."""
+        age_ns = 0 if recorded else max(time.time_ns() - message.t_ns, 0)
+        self.live.put(vehicle_id, message, source, Receipt(time.monotonic_ns(), age_ns))
 
     def catch_up(self, step: int) -> None:
         """Put a step on the bus as if it were now; loading a page takes a while."""

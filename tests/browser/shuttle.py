@@ -17,11 +17,11 @@ from wayline.messages import (
     StopArrival,
 )
 from wayline.route import Route, make_route
+from wayline.services import SERVICES
 from wayline.stops import StopPlace
 
 SPEED_MPS = 8.0
 SECOND_NS = 1_000_000_000
-SERVICES = ("gps-ingest", "can-ingest", "fusion", "eta", "slope-map", "dashboard")
 VERTICES = (
     (39.90634, -75.35023),
     (39.90565, -75.34617),

@@ -1,13 +1,19 @@
 import math
 import re
+import time
+from itertools import groupby
 from typing import Any
 
+import msgspec
 import pytest
 from playwright.sync_api import Page, expect
 
 from browser.conftest import Stage, Watched
-from browser.shuttle import SECOND_NS, SERVICES
+from browser.shuttle import SECOND_NS
 from wayline.geo import step_between
+from wayline.keys import FLEET
+from wayline.messages import Health, Horizon, HorizonPoint
+from wayline.services import SERVICES
 
 TOKEN = "correct-horse-battery"
 
@@ -146,14 +152,69 @@ def test_services_go_down_and_come_up(stage: Stage, watched: Watched) -> None:
 def test_of_several_vehicles_one_is_chosen_and_stays_in_the_address(
     stage: Stage, watched: Watched
 ) -> None:
-    for message, source in stage.shuttle.messages(300):
-        stage.live.put("shuttle-2", message, source)
+    stage.drive(300, 301, "shuttle-2")
     page = open_page(stage, watched)
     expect(page.locator("#vehicle-title")).to_have_text("shuttle-1")
     page.get_by_role("button", name="shuttle-2").click()
     expect(page.locator("#vehicle-title")).to_have_text("shuttle-2")
     page.reload()
     expect(page.locator("#vehicle-title")).to_have_text("shuttle-2")
+
+
+def test_the_slope_ahead_is_told_of_the_selected_vehicle_only(
+    stage: Stage, watched: Watched
+) -> None:
+    stage.drive(300, 301, "shuttle-2")
+    flat = HorizonPoint(distance_m=500.0, grade_pct=0.0, grade_std_pct=0.1, runs=1)
+    points = (msgspec.structs.replace(flat, distance_m=0.0), flat)
+    stage.put("shuttle-2", Horizon(t_ns=time.time_ns(), points=points), "slope-map")
+    page = open_page(stage, watched)
+    expect(page.get_by_role("img", name="over 1.5 km, 4 runs")).to_be_visible()
+    stage.drive(600, 620)
+    page.get_by_role("button", name="shuttle-2").click()
+    expect(page.get_by_role("img", name="over 500 m, 1 run")).to_be_visible()
+    stage.drive(620, 640)
+    page.get_by_role("button", name="shuttle-1").click()
+    expect(page.get_by_role("img", name="over 1.5 km, 4 runs")).to_be_visible()
+    told = [name for name, _ in groupby(watched.told_whole())]
+    assert told == ["shuttle-1", "shuttle-2", "shuttle-1"]
+    assert watched.complaints == []
+
+
+def test_a_forgotten_vehicle_leaves_list_map_and_panel_until_it_is_heard_again(
+    stage: Stage, watched: Watched
+) -> None:
+    stage.drive(300, 301, "shuttle-2")
+    page = open_page(stage, watched)
+    page.get_by_role("button", name="shuttle-2").click()
+    expect(page.locator("#vehicle-title")).to_have_text("shuttle-2")
+    page.locator("#overview").click()
+    drawn = (
+        "() => window.wayline.map.queryRenderedFeatures({ layers: ['vehicles'] })"
+        ".map((found) => found.properties.vehicle_id).sort().join() === "
+    )
+    page.wait_for_function(f"{drawn} 'shuttle-1,shuttle-2'")
+    stage.live.forget("shuttle-2")
+    expect(page.locator("#vehicle-title")).to_have_text("shuttle-1")
+    expect(page.locator("#vehicles")).to_have_count(0)
+    expect(page.locator("#arrivals li")).to_have_count(5)
+    page.wait_for_function(f"{drawn} 'shuttle-1'")
+    stage.drive(310, 311, "shuttle-2")
+    expect(page.locator("#vehicle-title")).to_have_text("shuttle-2")
+    expect(page.locator("#arrivals li")).to_have_count(5)
+    page.wait_for_function(f"{drawn} 'shuttle-1,shuttle-2'")
+
+
+def test_a_step_of_the_servers_clock_makes_nothing_older(stage: Stage, watched: Watched) -> None:
+    page = open_page(stage, watched)
+    stage.catch_up(600)
+    expect(page.locator("#age")).to_contain_text("updated")
+    stage.clock_step_ns = 3600 * SECOND_NS
+    stage.live.put_service(FLEET, "eta", up=True)
+    expect(page.locator("#services")).to_contain_text("eta")
+    expect(page.locator("#age")).to_have_text(
+        re.compile(r"^(updated|silent for) (less than )?\d+ s")
+    )
 
 
 def test_a_lost_connection_is_said_and_comes_back(stage: Stage, watched: Watched) -> None:
@@ -184,7 +245,11 @@ def test_a_recording_counts_on_its_own_clock(stage: Stage, watched: Watched) -> 
     stage.shuttle.start_ns = 1_542_031_402 * SECOND_NS  # 2018-11-12
     for step in range(100):
         for message, source in stage.shuttle.messages(step):
-            stage.live.put("archive", message, source)
+            stage.put("archive", message, source, recorded=True)
+    played = Health(
+        t_ns=time.time_ns(), service="wayline-play", version="0", started_ns=0, recorded=True
+    )
+    stage.put("archive", played, "wayline-play")
     page = open_page(stage, watched)
     expect(page.locator("#age")).to_contain_text("recording of 12 Nov 2018")
     expect(page.locator("#arrivals .countdown").first).to_contain_text("in ")

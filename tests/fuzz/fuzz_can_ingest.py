@@ -25,7 +25,8 @@ import psutil
 
 from wayline.can_log import CanLog
 from wayline.codec import decode, encode
-from wayline.drive import CanSource, Clock, SignalMapping, Vehicle, load_drive
+from wayline.drive import CanSource, Clock, SignalMapping, Vehicle
+from wayline.drive_file import load_drive
 from wayline.inputs import Flush, Frame, Tick
 from wayline.messages import Message
 from wayline_can_ingest.configured import load_mapping
@@ -93,9 +94,9 @@ class Listener:
         self._last_ns: Counter[str] = Counter()
         self.messages = 0
 
-    def hear(self, given: can.Message, arrival_ns: int) -> None:
+    def hear(self, given: can.Message, received_ns: int) -> None:
         """Take what an interface gives."""
-        frame = self.reader.frame(given, arrival_ns)
+        frame = self.reader.frame(given, received_ns)
         if frame is not None and self._wanted.has(frame):
             self.handle(frame)
 
@@ -135,17 +136,17 @@ class Bus:
     def run(self, choose: random.Random) -> None:
         """A round: recorded frames in their order from some place on, and others between them."""
         listeners = (self._veteran, Listener(*self._parts))
-        start, arrival_ns = choose.randrange(len(self._seeds)), START_NS
+        start, received_ns = choose.randrange(len(self._seeds)), START_NS
         for number in range(ROUND):
             seed = self._seeds[(start + number) % len(self._seeds)]
-            arrival_ns += choose.randrange(2_000_000)
+            received_ns += choose.randrange(2_000_000)
             given = self._made_up(choose) if choose.random() < 0.5 else self._damaged(seed, choose)
-            given.timestamp += arrival_ns * 1e-9
+            given.timestamp += received_ns * 1e-9
             self._frames += 1
             for listener in listeners:
-                listener.hear(given, arrival_ns)
+                listener.hear(given, received_ns)
         for listener in listeners:
-            listener.handle(choose.choice((Tick, Flush))(choose.choice((0, arrival_ns, 2**62))))
+            listener.handle(choose.choice((Tick, Flush))(choose.choice((0, received_ns, 2**62))))
 
     def _damaged(self, seed: Frame, choose: random.Random) -> can.Message:
         given = message(seed.arbitration_id, seed.extended, seed.data)

@@ -24,7 +24,7 @@ import psutil
 
 from can_files import DBC, FORMATS, drive_of, recording
 from wayline.codec import decode, encode
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline_replay.stream import DriveStream
 

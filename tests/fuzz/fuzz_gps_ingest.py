@@ -129,11 +129,11 @@ class Fuzzer:
     def run(self, choose: random.Random) -> None:
         """A round: recorded lines in their order from some place on, some of them damaged."""
         listeners = (self._veteran, Listener())
-        arrival_ns = choose.choice((None, 0, 10**18, 2**62))
+        received_ns = choose.choice((None, 0, 10**18, 2**62))
         for text in self._texts(choose):
             self._sentences += 1
             for listener in listeners:
-                listener.hear(Sentence(arrival_ns, text))
+                listener.hear(Sentence(received_ns, text))
         for listener in listeners:
             last_ns = listener.last_ns
             listener.hear(Tick(choose.choice((0, last_ns, last_ns + 10**9, 2**62))))

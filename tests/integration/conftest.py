@@ -9,8 +9,9 @@ import zenoh
 
 from street import VEHICLE, Receiver, write_route
 from wayline.bus import open_session
+from wayline.services import SERVICES
 from wayline_cli.listener import Listener
-from wayline_cli.local_system import SERVICES, LocalSystem
+from wayline_cli.local_system import LocalSystem
 
 START_S = 40.0
 """Six Pythons that start at once on two busy cores."""

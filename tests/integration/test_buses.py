@@ -24,8 +24,8 @@ from buses import BACK_S, WAIT_S, Adapter, DriverBugError, await_true, back_with
 from street import VEHICLE
 from wayline.bus import open_session
 from wayline.drive import Vehicle
+from wayline.live_sources import LiveCan
 from wayline.messages import Health, Odometer
-from wayline.settings import LiveCan
 from wayline_can_ingest.configured import load_mapping
 from wayline_can_ingest.interfaces import Interface
 from wayline_can_ingest.wanted import Wanted

@@ -16,7 +16,7 @@ from websockets.sync.client import connect
 
 from wayline.errors import InputError
 from wayline_cli.demo_files import PORT_COUNT, SHUTTLE_ID, TRUCK_ID, check_ports, choose_ports
-from wayline_dashboard.view import FleetView
+from wayline_dashboard.view import FleetView, Selection
 
 START_S = 90.0
 """Eight Pythons that start at once on busy cores."""
@@ -97,6 +97,7 @@ def seen_until_live(port: int) -> dict[str, set[str]]:
     seen: dict[str, set[str]] = {SHUTTLE_ID: set(), TRUCK_ID: set()}
     deadline_s = time.monotonic() + LIVE_S
     with connect(f"ws://127.0.0.1:{port}/v1/live", open_timeout=START_S) as page:
+        page.send(msgspec.json.encode(Selection(vehicle_id=SHUTTLE_ID)).decode())
         while not ({"gps", "arrivals"} <= seen[SHUTTLE_ID] and "fused" in seen[TRUCK_ID]):
             if time.monotonic() > deadline_s:
                 break

@@ -21,9 +21,10 @@ from street import ROUTE, SPEED_MPS, VEHICLE, Receiver
 from wayline.bus import Publishers, open_session
 from wayline.codec import encode
 from wayline.messages import FusionStatus, GpsFix, Gyro, Health, Odometer, Pose
+from wayline.services import SERVICES
 from wayline_cli.listener import Heard, Listener
 from wayline_cli.live_check import messages_in
-from wayline_cli.local_system import SERVICES, LocalSystem
+from wayline_cli.local_system import LocalSystem
 
 WAIT_S = 20.0
 POLL_S = 0.05
@@ -217,7 +218,7 @@ def take(sample):
         threading.Event().wait()
 
 with open_session(BusSettings(connect=(sys.argv[1],))) as session:
-    subscriber = session.declare_subscriber("wayline/@v1/**", take)
+    subscriber = session.declare_subscriber("wayline/v1/**", take)
     print("subscribed", flush=True)
     threading.Event().wait()
 """
@@ -248,7 +249,7 @@ class Sensors:
 
     def fill(self) -> None:
         """Send more than a reader that stalls can be sent."""
-        filler = self._session.declare_publisher("wayline/@v1/filler/gps_sky/filler")
+        filler = self._session.declare_publisher("wayline/v1/filler/gps_sky/filler")
         pace = threading.Event()
         for _ in range(FILLERS):
             filler.put(FILLER)

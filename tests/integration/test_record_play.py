@@ -16,14 +16,14 @@ import zenoh
 from builders import about, at, fix, gyro
 from wayline.bus import Publishers, Subscription, open_session
 from wayline.codec import decode, encode
+from wayline.ending import Ending
 from wayline.errors import InputError
 from wayline.inbox import Inbox, Sample
 from wayline.keys import message_key
 from wayline.mcap_log import McapWriter, is_finished, read_messages, read_records
-from wayline.messages import TOPICS, Message, Pose
+from wayline.messages import TOPICS, Health, Message, Pose
 from wayline.router import open_router
 from wayline.settings import BusSettings
-from wayline.stop import Stop
 from wayline_cli.play import Played, play, play_records
 from wayline_cli.record import Recorded, record, record_bus
 
@@ -59,7 +59,7 @@ class Recording:
     def __init__(self, bus: BusSettings, path: Path) -> None:
         self._bus, self._path = bus, path
         self.heard: queue.SimpleQueue[str] = queue.SimpleQueue()
-        self._stop = Stop()
+        self._ending = Ending()
         self._result: queue.SimpleQueue[Recorded] = queue.SimpleQueue()
         threading.Thread(target=self._run).start()
 
@@ -74,7 +74,7 @@ class Recording:
                 heard.put(key)
 
         with open_session(self._bus) as session, Told(self._path) as writer:
-            result = record_bus(session, writer, self._stop)
+            result = record_bus(session, writer, self._ending)
         self._result.put(result)
 
     def await_messages(self, count: int) -> None:
@@ -84,7 +84,7 @@ class Recording:
 
     def end(self) -> Recorded:
         """Stop it; what came of it, the file closed."""
-        self._stop.request()
+        self._ending.request()
         return self._result.get(timeout=WAIT_S)
 
 
@@ -134,15 +134,16 @@ def recorded_samples(
     session: zenoh.Session, path: Path, samples: Sequence[tuple[str, bytes]], capacity: int = 100
 ) -> Recorded:
     """What comes of samples that have arrived before the recorder is stopped."""
-    inbox, stop = Inbox(capacity), Stop()
+    inbox, ending = Inbox(capacity), Ending()
     for key, payload in samples:
         inbox.put(Sample(key, payload, at(0)))
-    stop.request()
+    ending.request()
     with McapWriter(path) as writer:
-        return record_bus(session, writer, stop, inbox=inbox)
+        return record_bus(session, writer, ending, inbox=inbox)
 
 
 KEY = message_key("bus-7", "gyro", "test")
+PLAYER = message_key("bus-7", "health", "play")
 
 
 def test_what_is_no_message_is_counted_and_not_recorded(
@@ -169,7 +170,7 @@ def test_what_finds_no_room_is_counted(session: zenoh.Session, tmp_path: Path) -
 def test_a_recording_ends_after_its_seconds(session: zenoh.Session, tmp_path: Path) -> None:
     began_s = time.monotonic()
     with McapWriter(tmp_path / "a.mcap") as writer:
-        record_bus(session, writer, Stop(), seconds=0.3)
+        record_bus(session, writer, Ending(), seconds=0.3)
     assert 0.3 <= time.monotonic() - began_s < 2.0
 
 
@@ -192,9 +193,15 @@ def test_playing_restores_keys_payloads_and_order(
 ) -> None:
     path = recorded_file(tmp_path / "a.mcap")
     samples: queue.SimpleQueue[tuple[str, bytes]] = queue.SimpleQueue()
-    subscription = Subscription(
-        session, ["bus-7"], TOPICS, lambda key, payload: samples.put((key, payload))
-    )
+    told: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+
+    def hear(key: str, payload: bytes) -> None:
+        if key == PLAYER:
+            told.put(payload)
+        else:
+            samples.put((key, payload))
+
+    subscription = Subscription(session, ["bus-7"], TOPICS, hear)
     played = play(path, bus, speed=20.0)
     expected = [(key, payload) for _, key, payload in read_records(path)]
     found = [samples.get(timeout=WAIT_S) for _ in expected]
@@ -202,6 +209,23 @@ def test_playing_restores_keys_payloads_and_order(
     assert played == Played(len(expected), about(6.0), complete=True)
     for name in dict(expected):
         assert [x for x in found if x[0] == name] == [x for x in expected if x[0] == name]
+    # readers are told that the vehicle's times are a recording's, and when it is over
+    healths = [decode("health", told.get(timeout=WAIT_S)) for _ in range(told.qsize())]
+    recorded = [health.recorded for health in healths if isinstance(health, Health)]
+    assert recorded == [True] * (len(recorded) - 1) + [False]
+    assert len(recorded) > 1
+
+
+def test_a_recording_from_before_the_bus_moved_is_played_under_the_keys_of_today(
+    tmp_path: Path,
+) -> None:
+    path, payload = tmp_path / "a.mcap", encode(gyro(1, 0))
+    with McapWriter(path) as writer:
+        writer.write_payload("wayline/@v1/bus-7/gyro/test", "gyro", payload, at(1), at(1))
+    put: list[tuple[str, str, str, bytes]] = []
+    play_records(read_records(path), lambda *each: put.append(each), Ending(), speed=1.0)
+    assert put == [("bus-7", "gyro", "test", payload)]
+    assert [message for _, _, message in read_messages(path)] == [gyro(1, 0)]
 
 
 def test_a_late_joiner_gets_the_last_played_pose(
@@ -211,7 +235,7 @@ def test_a_late_joiner_gets_the_last_played_pose(
     samples: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     with open_session(bus) as player:
         publishers = Publishers(player)
-        play_records(records, publishers.put, Stop(), speed=100.0)
+        play_records(records, publishers.put, Ending(), speed=100.0)
         late = Subscription(session, ["bus-7"], ["pose"], lambda _, payload: samples.put(payload))
         assert decode("pose", samples.get(timeout=WAIT_S)) == DRIVE[-1]
         late.close()
@@ -223,7 +247,9 @@ def paced(log_times_s: list[float], speed: float) -> list[float]:
     put_s: list[float] = []
     records = [(at(each), KEY, b"{}") for each in log_times_s]
     began_s = time.monotonic()
-    play_records(records, lambda *_: put_s.append(time.monotonic() - began_s), Stop(), speed=speed)
+    play_records(
+        records, lambda *_: put_s.append(time.monotonic() - began_s), Ending(), speed=speed
+    )
     return put_s
 
 
@@ -234,10 +260,10 @@ def test_playing_keeps_the_pace_at_its_speed() -> None:
 
 @pytest.mark.parametrize("next_s", [0, 1000])
 def test_playing_stops_when_asked(next_s: float) -> None:
-    stop = Stop()
+    ending = Ending()
     records = [(at(each), KEY, b"{}") for each in (0, next_s)]
     began_s = time.monotonic()
-    result = play_records(records, lambda *_: stop.request(), stop, speed=1.0)
+    result = play_records(records, lambda *_: ending.request(), ending, speed=1.0)
     assert result == (1, 0.0)
     assert time.monotonic() - began_s < WAIT_S
 

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from buses import BACK_S, WAIT_S, DriverBugError, await_true, back_within, message
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.bus_reader import READ_ERRORS, open_bus
 from wayline_can_ingest.frames import ERROR, MALFORMED, REMOTE
 from wayline_can_ingest.interfaces import Interface

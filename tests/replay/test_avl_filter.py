@@ -9,7 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from wayline.geo import metres_per_degree
-from wayline.route import Route, load_route
+from wayline.route import Route
+from wayline.route_file import load_route
 from wayline_cli.route_import import route_from_csv
 from wayline_eta.avl_filter import AvlRouteFilter, Estimate
 

@@ -9,7 +9,8 @@ import pytest
 
 from builders import about, only
 from wayline.can_log import CanLog
-from wayline.drive import CanSource, Drive, SignalMapping, Vehicle, load_drive
+from wayline.drive import CanSource, Drive, SignalMapping, Vehicle
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.inputs import Frame
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from builders import only, run_core
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.messages import FusionStatus, Pose, Verdict
 from wayline_evaluation.estimates import estimates_of
 from wayline_evaluation.pose_errors import PoseErrors, compared, pooled
@@ -20,7 +20,8 @@ from wayline_fusion.core import FusionCore
 from wayline_replay.outages import Outage, with_outages
 from wayline_replay.stream import DriveStream
 from wayline_simulator.drive_folder import simulate
-from wayline_simulator.scenario import load_scenario, overlaid
+from wayline_simulator.scenario import overlaid
+from wayline_simulator.scenario_file import load_scenario
 
 DRIVES = [("main-road", 11), ("main-road", 12), ("main-road", 13), ("town", 14), ("town", 15)]
 SETTLED_S = 120.0
@@ -57,8 +58,8 @@ def drive(scenario: str, seed: int, folder: Path) -> tuple[PoseErrors, list[Verd
     wanted = {**few, "seed": seed, "road": {"length_m": 5000.0}}
     simulate(overlaid(load_scenario(scenario), wanted), folder)
     loaded = load_drive(folder)
-    arrivals = with_outages(DriveStream(loaded, str(folder)), [OUTAGE])
-    outputs = run_core(FusionCore(loaded.tuning), [arrival.message for arrival in arrivals])
+    messages = with_outages(DriveStream(loaded, str(folder)), [OUTAGE])
+    outputs = run_core(FusionCore(loaded.tuning), [received.message for received in messages])
     errors = compared(estimates_of(only(outputs, Pose)), needed_truth(folder))
     settled = errors.where(errors.times_s - errors.times_s[0] >= SETTLED_S)
     statuses = only(outputs, FusionStatus)

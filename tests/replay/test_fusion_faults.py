@@ -26,7 +26,7 @@ from faults import (
     wheels_read,
     without,
 )
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.geo import WGS84
 from wayline.messages import (
     Barometer,

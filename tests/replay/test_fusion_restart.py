@@ -10,7 +10,7 @@ import numpy as np
 
 from builders import only
 from unit.fusion.test_restart import Kept, std_m
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.geo import step_between
 from wayline.messages import FusionStatus, Message, Pose
 from wayline.node import Node
@@ -40,7 +40,7 @@ def driven(messages: Iterable[Message], saved: Saved | None = None) -> tuple[lis
 def with_tunnel(folder: Path) -> tuple[int, list[Message]]:
     """When the drive began, and its first twelve minutes."""
     stream = with_outages(DriveStream(load_drive(folder), str(folder)), [TUNNEL])
-    messages = list(until(END_S, (arrival.message for arrival in stream)))
+    messages = list(until(END_S, (received.message for received in stream)))
     return min(message.t_ns for message in messages[:1000]), messages
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from wayline.database import open_database
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline_evaluation.outages import score_outage
 from wayline_evaluation.pose_errors import compared
 from wayline_evaluation.reference import fixes_reference
@@ -182,7 +182,7 @@ def test_comma_seg40_wheel_speeds_decode_to_the_known_values(
     assert len(wheel) == 4974
     assert 28.46 / 3.6 <= speeds.min() < speeds.max() <= 71.77 / 3.6
     assert np.trapezoid(speeds, times_s) == pytest.approx(1003.8, abs=0.5)
-    assert [a.arrival_ns for a in arrivals] == sorted(a.arrival_ns for a in arrivals)
+    assert [a.received_ns for a in arrivals] == sorted(a.received_ns for a in arrivals)
 
 
 @pytest.fixture(scope="module")

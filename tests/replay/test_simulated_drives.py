@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline_evaluation.pose_errors import compared
 from wayline_evaluation.reference import Reference
 from wayline_evaluation.replays import needed_truth, read_replay
-from wayline_evaluation.sensed import sense
+from wayline_evaluation.sensed_drive import sense
 from wayline_evaluation.slope import average_std, profiles_of
 from wayline_evaluation.slope_study import thesis_grades
 from wayline_replay.replay import replay
 from wayline_replay.stream import DriveStream
 from wayline_simulator.drive_folder import simulate
-from wayline_simulator.scenario import Scenario, load_scenario, overlaid
+from wayline_simulator.scenario import Scenario, overlaid
+from wayline_simulator.scenario_file import load_scenario
 
 Floats = NDArray[np.float64]
 

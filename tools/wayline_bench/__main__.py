@@ -3,18 +3,21 @@
 import argparse
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import msgspec
 from rich.console import Console
 
-from wayline_bench import fusion, ingest
+from wayline_bench import fleet, fusion, ingest
 from wayline_bench.rounds import Say
 from wayline_bench.row import Row, table
 
-BENCHES: dict[str, Callable[[Say], list[Row]]] = {
+Bench = Callable[[Say], list[Row]]
+BENCHES: dict[str, Bench] = {
     "fusion": fusion.bench,
     "ingest": ingest.bench,
+    "fleet": fleet.bench,
 }
 
 
@@ -23,21 +26,25 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(BENCHES)}")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows there too")
+    parser.add_argument(
+        "--vehicles", type=int, nargs="+", default=[], metavar="N", help="fleet: only such sizes"
+    )
     options = parser.parse_args()
     unknown = set(options.names) - BENCHES.keys()
     if unknown:
         parser.error(f"no bench {', '.join(sorted(unknown))}; there are: {', '.join(BENCHES)}")
-    results = {name: run(name) for name in options.names or BENCHES}
+    benches = BENCHES | {"fleet": partial(fleet.bench, vehicles=options.vehicles)}
+    results = {name: run(name, benches[name]) for name in options.names or BENCHES}
     if options.json:
         options.json.write_bytes(msgspec.json.format(msgspec.json.encode(results)))
     sys.exit(not all(row.holds for rows in results.values() for row in rows))
 
 
-def run(name: str) -> list[Row]:
+def run(name: str, bench: Bench) -> list[Row]:
     """The rows of a bench, shown; what it does meanwhile is seen on a terminal."""
     console = Console(stderr=True)
     with console.status(name) as status:
-        rows = BENCHES[name](lambda progress: status.update(f"{name}: {progress}"))
+        rows = bench(lambda progress: status.update(f"{name}: {progress}"))
     print(f"{name}\n\n{table(rows)}")
     return rows
 

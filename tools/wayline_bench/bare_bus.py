@@ -7,7 +7,7 @@ import sys
 
 import can
 
-from wayline.stop import stop_on_signals
+from wayline.ending import ending_on_signals
 
 READY = "reading"
 POLL_S = 0.2
@@ -20,9 +20,9 @@ def open_bus(group: str, port: int) -> can.BusABC:
 
 def main() -> None:
     """Read until SIGTERM."""
-    with stop_on_signals() as stop, open_bus(sys.argv[1], int(sys.argv[2])) as bus:
+    with ending_on_signals() as ending, open_bus(sys.argv[1], int(sys.argv[2])) as bus:
         print(READY, flush=True)
-        while not stop.requested:
+        while not ending.requested:
             bus.recv(POLL_S)
 
 

@@ -24,7 +24,7 @@ class BareFilter:
         self._z = np.array([0.5])
 
     def steps(self, count: int, updates: int) -> None:
-        """So many predictions, each followed by so many updates."""
+        """Run `count` predictions, each followed by `updates` updates."""
         for _ in range(count):
             self._filter.predict()
             for _ in range(updates):

@@ -22,7 +22,7 @@ SETTLE_S = 0.3
 
 
 @dataclass(frozen=True)
-class Plan:
+class BusFeed:
     """What to send, for how long, and whose CPU time to read."""
 
     group: str
@@ -48,7 +48,7 @@ class Fed:
     """CPU seconds a second of each process, each round."""
 
 
-def feed(plan: Plan) -> Fed:
+def feed(plan: BusFeed) -> Fed:
     """Warm up, then let frames and echo take turns."""
     fed = Fed(mapped=dict.fromkeys(MAPPED_IDS, 0), shares={name: [] for name in plan.pids})
     processes = {name: psutil.Process(pid) for name, pid in plan.pids.items()}

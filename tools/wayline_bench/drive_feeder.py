@@ -21,7 +21,7 @@ SAMPLES_A_STEP = STEP_NS // GYRO_NS
 
 
 @dataclass(frozen=True)
-class Plan:
+class DriveFeed:
     """What to send, and for how long."""
 
     bus: BusSettings
@@ -41,7 +41,7 @@ class Fed:
     """By number, those of a pose's size."""
 
 
-def feed(plan: Plan) -> Fed:
+def feed(plan: DriveFeed) -> Fed:
     """Play the drive as fast as it is driven, with as many bare messages beside it."""
     fed = Fed()
     start_ns = -(-time.time_ns() // 1_000_000_000) * 1_000_000_000

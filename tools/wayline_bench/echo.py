@@ -7,8 +7,8 @@ import queue
 import sys
 
 from wayline.bus import open_session
+from wayline.ending import ending_on_signals
 from wayline.settings import BusSettings
-from wayline.stop import stop_on_signals
 
 ASK, ANSWER = "bench/ask", "bench/answer"
 READY = "echoing"
@@ -24,13 +24,13 @@ def main() -> None:
     """Echo until SIGTERM, out of a queue as every service does."""
     heard: queue.Queue[bytes] = queue.Queue()
     bus = BusSettings(connect=(sys.argv[1],))
-    with stop_on_signals() as stop, open_session(bus) as session:
+    with ending_on_signals() as ending, open_session(bus) as session:
         answer = session.declare_publisher(ANSWER)
         subscriber = session.declare_subscriber(
             ASK, lambda sample: heard.put(sample.payload.to_bytes())
         )
         print(READY, flush=True)
-        while not stop.requested:
+        while not ending.requested:
             try:
                 answer.put(heard.get(timeout=POLL_S))
             except queue.Empty:

@@ -32,7 +32,7 @@ Send = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class Plan:
+class ReceiverFeed:
     """What to feed, for how long, and whose CPU time to read."""
 
     ports: tuple[int, ...]
@@ -55,14 +55,14 @@ class Fed:
     echo_sent_s: dict[int, float] = field(default_factory=dict)
     """By the message's number."""
     core_shares: list[float] = field(default_factory=list)
-    """CPU seconds a second, each round."""
+    """CPU seconds a second of the receivers' process, each round."""
     idle_shares: list[float] = field(default_factory=list)
-    """The same while the receivers were silent."""
+    """CPU seconds a second while the receivers were silent, each round."""
     bare_shares: list[float] = field(default_factory=list)
     """What `pynmea2.parse` alone spent on the same bursts at the same pace."""
 
 
-def feed(plan: Plan) -> Fed:
+def feed(plan: ReceiverFeed) -> Fed:
     """Wait for every receiver's reader, warm it up, then let sentences and yardsticks take turns.
 
     Raises TimeoutError where a reader does not come.

@@ -19,7 +19,7 @@ from wayline.codec import decode, encode
 from wayline.messages import Gyro, Health, Pose
 from wayline.tuning import Tuning
 from wayline_bench import echo
-from wayline_bench.drive_feeder import VEHICLE, Fed, Plan, feed
+from wayline_bench.drive_feeder import VEHICLE, DriveFeed, Fed, feed
 from wayline_bench.made_up_drive import drive, with_ticks
 from wayline_bench.rounds import Say
 from wayline_bench.row import Row, compared
@@ -111,7 +111,7 @@ def _run(ears: Ears) -> Fed:
         system.start(SERVICE)
         _await_health(ears)
         size = len(encode(Gyro(t_ns=time.time_ns(), yaw_rate_degps=1.2345678901234567)))
-        plan = Plan(system.bus, LENGTH_S, WARM_UP_S, size, _pose_bytes())
+        plan = DriveFeed(system.bus, LENGTH_S, WARM_UP_S, size, _pose_bytes())
         # not forked: Zenoh's threads would not come along
         spawn = multiprocessing.get_context("spawn")
         return stack.enter_context(ProcessPoolExecutor(1, spawn)).submit(feed, plan).result()

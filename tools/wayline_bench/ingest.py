@@ -81,7 +81,7 @@ def publish(lines: Sequence[str]) -> None:
 
 
 def publish_received(received: Sequence[bytes]) -> None:
-    """The same with the search for sentences that a live receiver's bytes go through."""
+    """Bytes to encoded messages, with the search for sentences that live bytes go through."""
     ingest, splitter = GpsIngestCore(), SentenceSplitter()
     for chunk in received:
         for sentence in splitter.feed(chunk):
@@ -90,6 +90,6 @@ def publish_received(received: Sequence[bytes]) -> None:
 
 
 def publish_split(lines: Sequence[str]) -> None:
-    """The same as `publish` with the experiment in pynmea2's place."""
+    """Sentences to encoded messages as by `publish`, with the experiment in pynmea2's place."""
     with patch.object(core, "parse", split_parse):
         publish(lines)

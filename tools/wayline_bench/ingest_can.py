@@ -14,7 +14,8 @@ from cantools.database.errors import DecodeError
 
 from wayline.can_log import CanLog
 from wayline.codec import encode
-from wayline.drive import CanSource, Drive, load_drive
+from wayline.drive import CanSource, Drive
+from wayline.drive_file import load_drive
 from wayline.inputs import Frame
 from wayline_bench.rounds import Say, Work, in_turns
 from wayline_bench.row import Row, compared
@@ -124,7 +125,7 @@ def translate(core: CanIngestCore, frames: Sequence[Frame]) -> None:
 
 
 def publish(core: CanIngestCore, frames: Sequence[Frame]) -> None:
-    """The same with the messages encoded as they go on the bus."""
+    """Frames to messages, encoded as they go on the bus."""
     for frame in frames:
         for message in core.handle(frame, "bench"):
             encode(message)

@@ -19,7 +19,7 @@ from wayline.codec import decode, encode
 from wayline.keys import parse_key
 from wayline.messages import Gyro, Health, Message, Odometer, Torque
 from wayline_bench import bare_bus, echo
-from wayline_bench.bus_feeder import Fed, Plan, feed
+from wayline_bench.bus_feeder import BusFeed, Fed, feed
 from wayline_bench.made_up_bus import DBC, MAPPED_IDS, MAPPING, RATE_HZ, frame
 from wayline_bench.rounds import Say
 from wayline_bench.row import Row, compared
@@ -135,7 +135,7 @@ def _run(ears: Ears, *, only_mapped: bool) -> Fed:
         _await_hearing(ears, port)
         pids = {name: system.pid(name) for name in (SERVICE, bare_bus.__name__)}
         size = len(encode(Odometer(t_ns=time.time_ns(), distance_m=1234.0)))
-        plan = Plan(GROUP, port, pids, system.bus, only_mapped, ROUNDS, ROUND_S, size)
+        plan = BusFeed(GROUP, port, pids, system.bus, only_mapped, ROUNDS, ROUND_S, size)
         # not forked: Zenoh's threads would not come along
         spawn = multiprocessing.get_context("spawn")
         fed = stack.enter_context(ProcessPoolExecutor(1, spawn)).submit(feed, plan).result()

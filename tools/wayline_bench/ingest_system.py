@@ -20,7 +20,7 @@ from wayline.codec import decode
 from wayline.keys import Key, parse_key
 from wayline.messages import GpsFix
 from wayline_bench import echo
-from wayline_bench.feeder import Fed, Plan, feed
+from wayline_bench.feeder import Fed, ReceiverFeed, feed
 from wayline_cli.local_system import LocalSystem
 
 START_S = 20.0
@@ -88,7 +88,9 @@ def live(layout: Layout, rounds: int, round_s: float, echo_bytes: int) -> Lived:
         session = stack.enter_context(open_session(system.bus))
         ears = stack.enter_context(_listening(session))
         pids = tuple(system.pid(vehicle_id) for vehicle_id in layout.ports)
-        plan = Plan(layout.all_ports, pids, system.bus, rounds, round_s, echo_bytes, layout.kinds)
+        plan = ReceiverFeed(
+            layout.all_ports, pids, system.bus, rounds, round_s, echo_bytes, layout.kinds
+        )
         # not forked: Zenoh's threads would not come along
         spawn = multiprocessing.get_context("spawn")
         fed = stack.enter_context(ProcessPoolExecutor(1, spawn)).submit(feed, plan).result()

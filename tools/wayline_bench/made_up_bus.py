@@ -1,4 +1,4 @@
-"""Pure: a 500 kbit/s bus at full load, made up: one frame in ten is asked for, or every one."""
+"""A 500 kbit/s bus at full load, made up: one frame in ten is asked for, or every one."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ RATE_HZ = 4000
 MAPPED_IDS = (0x100, 0x101, 0x102, 0x103)
 OTHER_IDS = tuple(range(0x200, 0x224))
 NUMBERED_ID = 0x103
-"""Its signal counts the frames, so that a message tells which frame it came of."""
+"""The identifier whose signal counts the frames, so that a message tells which one it came of."""
 DBC = """VERSION ""
 BU_: ECU
 BO_ 256 Wheels: 8 ECU

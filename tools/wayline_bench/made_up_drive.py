@@ -1,4 +1,4 @@
-"""Pure: a drive with bends, made up: 100 Hz gyro, 10 Hz odometer, 1 Hz fixes, as they arrive."""
+"""A drive with bends, made up: 100 Hz gyro, 10 Hz odometer, 1 Hz fixes, as they arrive."""
 
 import math
 import random

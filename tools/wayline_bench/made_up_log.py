@@ -1,4 +1,4 @@
-"""Pure: what a modern receiver says at 10 Hz, made up: four constellations, GST, high precision."""
+"""What a modern receiver says at 10 Hz, made up: four constellations, GST, high precision."""
 
 import datetime as dt
 import random

@@ -36,7 +36,7 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
             self.what,
             f"{_number(self.ours)} {self.unit}".rstrip(),
             f"{_number(self.yardstick)} {self.unit}".rstrip() + f" {self.yardstick_name}",
-            f"{self.ratio:.2f} ({self.ratio_low:.2f} to {self.ratio_high:.2f})",
+            f"{_ratio(self.ratio)} ({_ratio(self.ratio_low)} to {_ratio(self.ratio_high)})",
             verdict,
         )
 
@@ -76,6 +76,11 @@ def table(rows: Sequence[Row]) -> str:
 
 def _number(value: float) -> str:
     return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
+
+
+def _ratio(value: float) -> str:
+    """Two decimals, more where a share is so small that they would not tell it."""
+    return f"{value:.2f}" if abs(value) >= 0.1 else f"{value:.2g}"
 
 
 def _line(cells: Sequence[str], widths: Sequence[int]) -> str:

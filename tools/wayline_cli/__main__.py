@@ -214,7 +214,7 @@ def route_import_command(
     trip: Annotated[str | None, typer.Option(help="Of a GTFS feed: the trip to follow.")] = None,
 ) -> None:
     """Make a route; the speed of a CSV's point holds until the next one."""
-    from wayline.route import write_route
+    from wayline.route_file import write_route
     from wayline_cli.gtfs_route import route_from_gtfs
     from wayline_cli.route_import import route_from_csv
 

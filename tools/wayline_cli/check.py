@@ -7,7 +7,7 @@ from typing import NamedTuple
 from wayline.errors import InputError
 
 
-class Verdict(Enum):
+class Mark(Enum):
     """How a check went."""
 
     FINE = "fine"
@@ -20,24 +20,24 @@ class Check(NamedTuple):
     """One line of the doctor's table."""
 
     subject: str
-    verdict: Verdict
+    mark: Mark
     finding: str
     mend: str = ""
 
 
 def fine(subject: str, finding: str) -> Check:
     """Nothing to do."""
-    return Check(subject, Verdict.FINE, finding)
+    return Check(subject, Mark.FINE, finding)
 
 
 def note(subject: str, finding: str, mend: str) -> Check:
     """Nothing broken."""
-    return Check(subject, Verdict.NOTE, finding, mend)
+    return Check(subject, Mark.NOTE, finding, mend)
 
 
 def wrong(subject: str, finding: str, mend: str) -> Check:
     """Something to mend."""
-    return Check(subject, Verdict.WRONG, finding, mend)
+    return Check(subject, Mark.WRONG, finding, mend)
 
 
 def attempted(subject: str, finding: Callable[[], str]) -> Check:
@@ -50,4 +50,4 @@ def attempted(subject: str, finding: Callable[[], str]) -> Check:
 
 def is_well(checks: Iterable[Check]) -> bool:
     """Whether nothing is wrong."""
-    return all(check.verdict is not Verdict.WRONG for check in checks)
+    return all(check.mark is not Mark.WRONG for check in checks)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.diagnosis.opening import named, not_opened
 from wayline_cli.check import Check, fine, wrong
 

@@ -7,17 +7,9 @@ from collections.abc import Callable, Iterable
 from importlib.util import find_spec
 from pathlib import Path
 
+from wayline.services import SERVICES
 from wayline_cli.check import Check, fine, note, wrong
 
-MODULES = {
-    "gps-ingest": ("pynmea2", "serial"),
-    "can-ingest": ("can", "cantools"),
-    "fusion": ("filterpy",),
-    "eta": ("filterpy",),
-    "slope-map": ("filterpy", "sqlalchemy", "alembic"),
-    "dashboard": ("fastapi", "uvicorn"),
-}
-"""What a service imports besides the core's packages, by the extra of the same name."""
 OPTIONAL = {"asammdf": ("mf4", "MF4 recordings"), "rerun": ("rerun", "live views in Rerun")}
 """Module, its extra and what it is for."""
 NODE_NEEDED = "Node.js 20.19, 22.12 or newer"
@@ -51,7 +43,7 @@ def check_packages(services: Iterable[str], *, rerun_wanted: bool, has: Has) -> 
 
 def _service_packages(service: str, has: Has) -> Check:
     subject = f"packages of {service}"
-    missing = [module for module in MODULES[service] if not has(module)]
+    missing = [module for module in SERVICES[service].modules if not has(module)]
     if missing:
         return wrong(subject, f"{', '.join(missing)} missing", f'pip install "wayline[{service}]"')
     return fine(subject, "installed")

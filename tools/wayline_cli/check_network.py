@@ -9,7 +9,7 @@ import zenoh
 
 from wayline.bus import client_config
 from wayline.http import Healthz
-from wayline.http_guard import is_loopback
+from wayline.http_settings import is_loopback
 from wayline.settings import BusSettings, Settings
 from wayline_cli.check import Check, fine, note, wrong
 from wayline_cli.demo_files import LOOPBACK, is_free

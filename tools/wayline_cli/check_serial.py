@@ -6,7 +6,7 @@ from pathlib import Path
 
 from serial.tools import list_ports
 
-from wayline.settings import LiveNmea
+from wayline.live_sources import LiveNmea
 from wayline_cli.check import Check, fine, note, wrong
 from wayline_cli.listen_serial import Hearing
 from wayline_gps_ingest.links import UBX_ONLY

@@ -9,8 +9,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from wayline.ending import Ending, ending_on_signals
 from wayline.errors import InputError
-from wayline.stop import Stop, stop_on_signals
+from wayline.services import SERVICES
 from wayline_cli.demo_files import LOOPBACK, Demo, check_ports, choose_ports, prepare
 from wayline_cli.demo_ready import await_live
 from wayline_cli.journal import Journal, journal_in
@@ -34,14 +35,14 @@ def demo(
     """
     if seconds is not None and not seconds > 0.0:
         raise InputError("--seconds", f"{seconds:g} is not positive", "give how long to run")
-    with stop_on_signals() as stop, _folder(keep) as folder:
+    with ending_on_signals() as ending, _folder(keep) as folder:
         ports = choose_ports(first_port)
         check_ports(ports)
         ready = prepare(folder, ports)
         _forget_overrides()
         with journal_in(folder) as journal:
             say(f"starting a router and the services; what they say is in {journal.path}")
-            _run(ready, journal, stop, seconds, open_page=open_page, say=say)
+            _run(ready, journal, ending, seconds, open_page=open_page, say=say)
 
 
 def _forget_overrides() -> None:
@@ -53,35 +54,35 @@ def _forget_overrides() -> None:
 def _run(
     demo_: Demo,
     journal: Journal,
-    stop: Stop,
+    ending: Ending,
     seconds: float | None,
     *,
     open_page: bool,
     say: Callable[[str], None],
 ) -> None:
     host = threading.Thread(
-        target=_welcome, args=(demo_, journal, stop), kwargs={"open_page": open_page, "say": say}
+        target=_welcome, args=(demo_, journal, ending), kwargs={"open_page": open_page, "say": say}
     )
-    clock = threading.Timer(seconds or 0.0, stop.request)
+    clock = threading.Timer(seconds or 0.0, ending.request)
     if seconds is not None:
         clock.start()
     host.start()
     try:
-        keep_running(demo_.stages, stop, journal.note)
+        keep_running(demo_.stages, ending, journal.note)
     finally:
-        stop.request()
+        ending.request()
         clock.cancel()
         host.join()
 
 
 def _welcome(
-    demo_: Demo, journal: Journal, stop: Stop, *, open_page: bool, say: Callable[[str], None]
+    demo_: Demo, journal: Journal, ending: Ending, *, open_page: bool, say: Callable[[str], None]
 ) -> None:
-    for absent in await_live(demo_, stop):
+    for absent in await_live(demo_, ending):
         say(f"still waiting for {', '.join(absent)}")
         for line in journal.last_words(absent):
             say(f"  {line}")
-    if stop.requested:
+    if ending.requested:
         return
     is_built = (STATIC / "index.html").is_file()
     say("\n".join(addresses(demo_, is_built=is_built)))
@@ -97,7 +98,7 @@ def page_address(demo_: Demo) -> str:
 def addresses(demo_: Demo, *, is_built: bool) -> list[str]:
     """Where to look, line by line."""
     page, http = page_address(demo_), demo_.ports.http
-    apis = (("arrivals", "eta"), ("slopes", "slope-map"), ("view", "dashboard"))
+    apis = [(row.shows, name) for name, row in SERVICES.items() if row.shows]
     rerun = f"rerun+http://{LOOPBACK}:{demo_.ports.rerun}/proxy"
     return [
         "",

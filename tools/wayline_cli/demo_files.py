@@ -10,10 +10,10 @@ from typing import NamedTuple
 import msgspec
 
 from wayline.errors import InputError
-from wayline.http_settings import PORTS
+from wayline.services import SERVICES
 from wayline_cli.up import Child, service_command
 from wayline_simulator.drive_folder import simulate
-from wayline_simulator.scenario import load_scenario
+from wayline_simulator.scenario_file import load_scenario
 
 LOOPBACK = "127.0.0.1"
 ROUTER_PORT, RERUN_PORT = 7447, 9876
@@ -27,7 +27,7 @@ SHUTTLE_FOLDERS = (
 )
 """In the wheel, in a checkout."""
 VEHICLES = (SHUTTLE_ID, TRUCK_ID)
-PORT_COUNT = len(PORTS) + 3
+PORT_COUNT = len(SERVICES) + 3
 
 
 class Ports(NamedTuple):
@@ -55,18 +55,16 @@ class Demo:
 
 def choose_ports(first: int | None) -> Ports:
     """The services' own ports, or PORT_COUNT in a row. Raises InputError where there are none."""
-    names = [*PORTS, TRUCK_GPS]
+    own = {row.name: row.port for row in sorted(SERVICES.values(), key=lambda row: row.port)}
     if first is None:
-        return Ports(_row(names, PORTS["dashboard"]), ROUTER_PORT, RERUN_PORT)
+        return Ports({**own, TRUCK_GPS: max(own.values()) + 1}, ROUTER_PORT, RERUN_PORT)
     highest = 65_536 - PORT_COUNT
     if not 1024 <= first <= highest:
         mend = f"give one from 1024 to {highest}, {PORT_COUNT} in a row are used"
         raise InputError("--first-port", f"{first} is no port to begin at", mend)
-    return Ports(_row(names, first), first + len(names), first + len(names) + 1)
-
-
-def _row(names: list[str], first: int) -> dict[str, int]:
-    return dict(zip(names, range(first, first + len(names)), strict=True))
+    of_processes = {name: first + place for place, name in enumerate((*own, TRUCK_GPS))}
+    router = first + len(of_processes)
+    return Ports(of_processes, router, router + 1)
 
 
 def check_ports(ports: Ports) -> None:
@@ -113,9 +111,13 @@ def prepare(folder: Path, ports: Ports) -> Demo:
     config = _written(folder / "wayline.toml", of_all)
     slope_config = _written(folder / "slope-map.toml", of_slopes)
     truck_config = _written(folder / "demo-truck.toml", of_truck)
+    own_configs = {"slope-map": slope_config}
     services = [
-        *(Child(name, service_command(name, config)) for name in ("fusion", "eta", "dashboard")),
-        Child("slope-map", service_command("slope-map", slope_config)),
+        *(
+            Child(name, service_command(name, own_configs.get(name, config)))
+            for name, row in SERVICES.items()
+            if not row.reads_sensors
+        ),
         Child("gps-ingest", _player("gps-ingest", config, shuttle)),
         Child(TRUCK_GPS, _player("gps-ingest", truck_config, truck)),
         Child("can-ingest", _player("can-ingest", truck_config, truck)),
@@ -138,7 +140,7 @@ def _configuration(
         return msgspec.json.encode(value).decode()
 
     database_url = f"sqlite:///{folder / 'wayline.db'}"
-    own_ports = (f"{name} = {port}" for name, port in http.items() if name in PORTS)
+    own_ports = (f"{name} = {port}" for name, port in http.items() if name in SERVICES)
     lines = (
         "# written by wayline demo",
         'vehicles = ["*"]',

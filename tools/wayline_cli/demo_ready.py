@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 
 import msgspec
 
-from wayline.stop import Stop
+from wayline.ending import Ending
 from wayline_cli.demo_files import LOOPBACK, Demo
 
 POLL_S = 0.3
@@ -71,18 +71,18 @@ def placed_vehicles(http_ports: Mapping[str, int]) -> set[str]:
     }
 
 
-def await_live(demo: Demo, stop: Stop) -> Iterator[list[str]]:
+def await_live(demo: Demo, ending: Ending) -> Iterator[list[str]]:
     """What is missing, each time that the patience is over; ends when nothing is or when stopped.
 
-    Whoever reads it asks `stop` which of the two it was.
+    Whoever reads it asks `ending` which of the two it was.
     """
     waited_s = 0.0
-    while not stop.requested:
+    while not ending.requested:
         absent = missing(demo)
         if not absent:
             return
         if waited_s >= PATIENCE_S:
             waited_s = 0.0
             yield absent
-        stop.wait(POLL_S)
+        ending.wait(POLL_S)
         waited_s += POLL_S

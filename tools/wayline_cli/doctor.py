@@ -5,12 +5,12 @@ import os
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import get_args
 
 from wayline.errors import InputError
 from wayline.http_settings import check_exposure
-from wayline.route import load_route
-from wayline.settings import ServiceName, Settings, load_settings, overridden
+from wayline.route_file import load_route
+from wayline.services import SERVICES, ServiceRow, Tables
+from wayline.settings import Settings, load_settings, overridden
 from wayline_cli.check import Check, attempted, fine, note, wrong
 from wayline_cli.check_machine import (
     check_clock,
@@ -23,13 +23,7 @@ from wayline_cli.check_machine import (
 from wayline_cli.check_network import check_http_ports, check_router, port_holder, try_session
 from wayline_dashboard.page import STATIC
 
-SERVICES: tuple[str, ...] = get_args(ServiceName)
 SQLITE = "sqlite:///"
-DATABASE_USERS = {"fusion": "wayline_fusion", "slope-map": "wayline_slope_map"}
-"""Services with tables of their own, and their packages."""
-DATABASE_NEEDED = frozenset({"slope-map"})
-"""Those that do not start without."""
-INGEST = ("gps-ingest", "can-ingest")
 
 
 def doctor(
@@ -37,13 +31,13 @@ def doctor(
 ) -> Sequence[Check]:
     """Every check, the configuration's first; without a file, of a machine on its defaults.
 
-    Nothing is written or started. `wayline_cli.check.is_well` is the verdict on all of them.
+    Nothing is written or started. `wayline_cli.check.is_well` judges all of them.
     """
     try:
         settings = load_settings(config) if config else overridden(Settings(), environment)
     except InputError as error:
         return [wrong("configuration", f"{error.where}: {error.what}", error.mend), *machine()]
-    services = settings.services or SERVICES
+    services = settings.services or tuple(SERVICES)
     loaded = fine("configuration", str(config)) if config else note(*NO_FILE)
     return [
         loaded,
@@ -63,17 +57,16 @@ def configured(settings: Settings, services: Sequence[str], *, is_default: bool)
     checks.append(attempted("HTTP", lambda: exposure_finding(settings)))
     for path in settings.routes:
         checks.append(attempted("route", lambda path=path: route_finding(path)))  # type: ignore[misc]
-    checks += [
-        check_database(settings.database_url, service, is_default=is_default)
-        for service in services
-        if service in DATABASE_USERS
-    ]
+    for row in (SERVICES[service] for service in services):
+        if row.tables is not None:
+            url = settings.database_url
+            checks.append(check_database(url, row, row.tables, is_default=is_default))
     return checks
 
 
 def check_vehicle(settings: Settings, services: Sequence[str]) -> Check:
     """Whether a vehicle is named, and one alone where this machine reads its sensors."""
-    reads_sensors = any(service in services for service in INGEST)
+    reads_sensors = any(SERVICES[service].reads_sensors for service in services)
     if reads_sensors and (settings.nmea or settings.can):
         return attempted("vehicle", settings.own_vehicle)
     return attempted("vehicle", lambda: ", ".join(settings.served()))
@@ -96,19 +89,18 @@ def route_finding(path: str) -> str:
     return f"{route.route_id}: {route.length_m:,.0f} m, {len(route.stops)} stops"
 
 
-def check_database(url: str | None, service: str, *, is_default: bool) -> Check:
+def check_database(url: str | None, row: ServiceRow, tables: Tables, *, is_default: bool) -> Check:
     """A service's database."""
-    subject = f"database of {service}"
+    subject = f"database of {row.name}"
     if url is not None:
         if not is_installed("alembic"):
             return note(subject, "not looked at, a package is missing", "see below")
         from wayline_cli.check_database import database_finding  # noqa: PLC0415 - an extra's
 
-        package = DATABASE_USERS[service]
-        return attempted(subject, lambda: database_finding(url, service, package))
+        return attempted(subject, lambda: database_finding(url, row.name, row.package))
     mend = "set database_url or WAYLINE_DATABASE_URL, e.g. sqlite:///wayline.db"
-    if service not in DATABASE_NEEDED:
-        return note(subject, "none is named, calibration is lost at a restart", mend)
+    if tables.lost_without is not None:
+        return note(subject, f"none is named, {tables.lost_without}", mend)
     return (note if is_default else wrong)(subject, "none is named", mend)
 
 
@@ -136,7 +128,9 @@ def devices(settings: Settings) -> list[Check]:
     return checks
 
 
-def machine(settings: Settings | None = None, services: Sequence[str] = SERVICES) -> list[Check]:
+def machine(
+    settings: Settings | None = None, services: Sequence[str] = tuple(SERVICES)
+) -> list[Check]:
     """Packages, page, disk and clock."""
     rerun_wanted = settings is not None and settings.rerun.enabled
     folder = data_folder(settings.database_url if settings else None)

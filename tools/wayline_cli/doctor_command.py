@@ -16,7 +16,7 @@ from rich.table import Table
 from wayline.errors import InputError
 
 if TYPE_CHECKING:
-    from wayline.settings import LiveCan
+    from wayline.live_sources import LiveCan
     from wayline_can_ingest.diagnosis.diagnose import Diagnosis
     from wayline_can_ingest.diagnosis.listen import Heard
     from wayline_can_ingest.mapping import Mapping
@@ -48,7 +48,7 @@ def doctor_command(
     table = Table("", "", "found", "to mend", box=None, header_style="bold", pad_edge=False)
     marks = {"fine": "[green]ok[/]", "note": "[yellow]note[/]", "wrong": "[red]wrong[/]"}
     for check in checks:
-        mark = marks[check.verdict.value]
+        mark = marks[check.mark.value]
         table.add_row(mark, check.subject, escape(check.finding), escape(check.mend))
     Console().print(table)
     raise typer.Exit(0 if is_well(checks) else 1)
@@ -131,8 +131,8 @@ def _source(
     *,
     obd2: bool,
 ) -> "LiveCan":
-    from wayline.settings import LiveCan
-    from wayline.toml import fitted
+    from wayline.live_sources import LiveCan
+    from wayline.strict import fitted
 
     tables = {
         "interface": interface or SOCKETCAN,

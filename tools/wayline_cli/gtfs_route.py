@@ -142,7 +142,7 @@ def _checked_line(where: str, vertices: Sequence[tuple[float, float]]) -> Line:
 
 
 def _with_vertices_at(line: Line, alongs_m: Floats) -> Line:
-    """The same line with vertices at distances along it too."""
+    """A line with vertices added at distances along it."""
     distances_m = np.unique(np.round(np.concatenate((line.distances_m, alongs_m)), 2))
     points = np.array([line.point_at(float(distance_m))[:2] for distance_m in distances_m])
     return Line(points[:, 0], points[:, 1])

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import msgspec
 
 from wayline.inputs import Sentence
+from wayline.live_sources import LiveNmea
 from wayline.messages import GpsFix
-from wayline.settings import LiveNmea
 from wayline_gps_ingest.baud import is_sound
 from wayline_gps_ingest.condition import Condition
 from wayline_gps_ingest.core import GpsIngestCore

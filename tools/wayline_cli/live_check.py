@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from wayline.bus import open_session
 from wayline.codec import decode
-from wayline.drive import Drive, load_drive
+from wayline.drive import Drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.geo import step_between
 from wayline.messages import Health, Message, Pose
@@ -45,9 +46,9 @@ class LiveReport(msgspec.Struct, frozen=True, kw_only=True):
     published: Counts
     """Sensor messages by topic that a listener heard."""
     lost: Counts
-    """Those of the replay that it did not hear, compared by their instants."""
+    """Sensor messages of the replay that the listener did not hear, compared by their instants."""
     fusion_lost: Counts
-    """Those of the replay that fusion did not hear; negative: it heard some twice."""
+    """Sensor messages of the replay that fusion did not hear; negative: it heard some twice."""
     dropped: int
     """What fusion itself counted as dropped."""
     poses: int

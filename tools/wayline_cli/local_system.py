@@ -7,12 +7,11 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import get_args
 
-from wayline.settings import BusSettings, ServiceName
+from wayline.services import SERVICES
+from wayline.settings import BusSettings
 from wayline_cli.up import service_command
 
-SERVICES: tuple[str, ...] = get_args(ServiceName)
 STOP_S = 10.0
 POLL_S = 0.02
 
@@ -49,7 +48,7 @@ class LocalSystem:
                 process.wait()
 
     def write_config(self, name: str, **options: object) -> Path:
-        """Another configuration on the same bus and ports; its path."""
+        """Write another configuration on this system's bus and ports; its path."""
         # JSON's strings, booleans and lists are TOML's
         lines = [f"{key} = {json.dumps(value)}" for key, value in options.items()]
         lines += ["[bus]", f"connect = {json.dumps(self.bus.connect)}"]

@@ -1,19 +1,32 @@
 """`wayline play`: an MCAP file back onto the bus, under its recorded keys, as fast as it was."""
 
+import contextlib
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import NamedTuple
 
-from wayline.bus import RECOVERY_PERIOD, Publishers
+import zenoh
+
+from wayline import __version__
+from wayline.bus import QOS, Publishers
+from wayline.codec import encode
+from wayline.ending import Ending, ending_on_signals
 from wayline.errors import InputError
-from wayline.keys import parse_key
+from wayline.keys import alive_key, parse_key
 from wayline.mcap_log import is_finished, read_records
+from wayline.messages import Health
 from wayline.settings import BusSettings
-from wayline.stop import Stop, stop_on_signals
 from wayline_cli.session import open_or_stop
 
+NAME = "play"
+HEALTH_S = 1.0
+ASK_S = 1.0
+"""Time for a reader to ask for what it lost, and to get it."""
+
+Announce = Callable[[str], AbstractContextManager[None]]
 Put = Callable[[str, str, str, bytes], None]
 """Takes vehicle id, topic, source and payload, as `Publishers.put` does."""
 
@@ -43,22 +56,73 @@ def play(
     if not (speed > 0.0 and math.isfinite(speed)):
         raise InputError("--speed", f"{speed} is no speed", "give a number above 0, e.g. 5")
     complete = is_finished(path)
-    with stop_on_signals() as stop:
-        session = open_or_stop(settings, stop, say)
+    with ending_on_signals() as ending:
+        session = open_or_stop(settings, ending, say)
         if session is None:
             return Played(0, 0.0, complete)
         with session:
             say(f"playing {path}")
             publishers = Publishers(session)
-            count, seconds = play_records(read_records(path), publishers.put, stop, speed=speed)
+            player = Player(publishers.put, lambda vehicle_id: announced(session, vehicle_id))
+            count, seconds = play_records(read_records(path), player.put, ending, speed=speed)
             # readers that lost the last samples ask for them at the next heartbeats
-            stop.wait(2.0 * RECOVERY_PERIOD.total_seconds())
+            ending.wait(player.heartbeat_s + ASK_S)
+            player.close()
             publishers.close()
             return Played(count, seconds, complete)
 
 
+@contextlib.contextmanager
+def announced(session: zenoh.Session, vehicle_id: str) -> Iterator[None]:
+    """A vehicle's player is alive."""
+    token = session.liveliness().declare_token(alive_key(vehicle_id, NAME))
+    yield
+    token.undeclare()  # type: ignore[no-untyped-call]
+
+
+class Player:
+    """Puts what was recorded, and says of each vehicle that it is a recording while it is played.
+
+    So readers do not take its times for old. `announce` is entered once a vehicle.
+    """
+
+    def __init__(self, put: Put, announce: Announce = lambda _: contextlib.nullcontext()) -> None:
+        self._put, self._announce = put, announce
+        self._announced = contextlib.ExitStack()
+        self._started_ns = time.time_ns()
+        self._told_s: dict[str, float] = {}
+        self.heartbeat_s = 0.0
+        """The longest between heartbeats of what was put."""
+
+    def put(self, vehicle_id: str, topic: str, source: str, payload: bytes) -> None:
+        """Put a message of a vehicle."""
+        if vehicle_id not in self._told_s:
+            self._announced.enter_context(self._announce(vehicle_id))
+        if time.monotonic() - self._told_s.get(vehicle_id, -math.inf) >= HEALTH_S:
+            self._tell(vehicle_id, recorded=True)
+        self._put(vehicle_id, topic, source, payload)
+        self.heartbeat_s = max(self.heartbeat_s, QOS[topic].heartbeat_s)
+
+    def close(self) -> None:
+        """Say that nothing is played any more: what is still held of the vehicles is old."""
+        for vehicle_id in self._told_s:
+            self._tell(vehicle_id, recorded=False)
+        self._announced.close()
+
+    def _tell(self, vehicle_id: str, *, recorded: bool) -> None:
+        self._told_s[vehicle_id] = time.monotonic()
+        health = Health(
+            t_ns=time.time_ns(),
+            service=NAME,
+            version=__version__,
+            started_ns=self._started_ns,
+            recorded=recorded,
+        )
+        self._put(vehicle_id, Health.topic, NAME, encode(health))
+
+
 def play_records(
-    records: Iterable[tuple[int, str, bytes]], put: Put, stop: Stop, *, speed: float
+    records: Iterable[tuple[int, str, bytes]], put: Put, ending: Ending, *, speed: float
 ) -> tuple[int, float]:
     """Put records (log_time_ns, key, payload) when they are due; number and seconds of them.
 
@@ -70,7 +134,7 @@ def play_records(
         if count == 0:
             first_ns = log_time_ns
         due_s = started_s + (log_time_ns - first_ns) / 1e9 / speed
-        if stop.wait(due_s - time.monotonic()):
+        if ending.wait(due_s - time.monotonic()):
             break
         parts = parse_key(key)
         if parts is not None:

@@ -1,6 +1,6 @@
 """`wayline record`: the bus into an MCAP file."""
 
-import time
+import threading
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -9,18 +9,16 @@ from typing import NamedTuple
 import msgspec
 import zenoh
 
-from wayline.bus import Subscription
 from wayline.codec import decode
+from wayline.ending import Ending, ending_on_signals
 from wayline.errors import InputError
-from wayline.inbox import Inbox, Item, Sample
+from wayline.inbox import Inbox, Sample
 from wayline.keys import parse_key
+from wayline.loop import Loop
 from wayline.mcap_log import McapWriter
-from wayline.messages import TOPICS
-from wayline.settings import EVERY_VEHICLE, BusSettings
-from wayline.stop import Stop, stop_on_signals
+from wayline.service import Service
+from wayline.settings import EVERY_VEHICLE, BusSettings, Settings
 from wayline_cli.session import open_or_stop
-
-POLL_S = 0.1
 
 
 class Recorded(NamedTuple):
@@ -33,7 +31,7 @@ class Recorded(NamedTuple):
     missed: int
     """Lost on the way and not recovered."""
     refused: int
-    """Not a message of their topic."""
+    """Samples that were no message of their topic."""
 
 
 def record(
@@ -48,13 +46,13 @@ def record(
     Raises InputError where the file or the bus cannot be opened or the disk is full.
     """
     try:
-        with McapWriter(path) as writer, stop_on_signals() as stop:
-            session = open_or_stop(settings, stop, say)
+        with McapWriter(path) as writer, ending_on_signals() as ending:
+            session = open_or_stop(settings, ending, say)
             if session is None:
                 return Recorded({}, 0, 0, 0)
             with session:
                 say(f"recording to {path}")
-                return record_bus(session, writer, stop, seconds=seconds)
+                return record_bus(session, writer, ending, seconds=seconds)
     except OSError as error:
         what = f"cannot be written ({error.strerror})"
         raise InputError(str(path), what, "make room on that disk") from None
@@ -63,30 +61,23 @@ def record(
 def record_bus(
     session: zenoh.Session,
     writer: McapWriter,
-    stop: Stop,
+    ending: Ending,
     *,
     seconds: float | None = None,
     inbox: Inbox | None = None,
 ) -> Recorded:
     """Write what arrives on a session; what has arrived when it ends is still written."""
-    inbox = inbox or Inbox()
     log = Log(writer)
-    subscription = Subscription(
-        session,
-        [EVERY_VEHICLE],
-        TOPICS,
-        lambda key, payload: inbox.put(Sample(key, payload, time.time_ns())),
-        log.miss,
-    )
-    ends_s = time.monotonic() + (float("inf") if seconds is None else seconds)
+    service = Service("record", take_sample=log.write, is_announced=False)
+    loop = Loop(service, Settings(vehicles=(EVERY_VEHICLE,)), session, ending, inbox)
+    timer = threading.Timer(seconds or 0.0, ending.request)
+    if seconds is not None:
+        timer.start()
     try:
-        while not stop.requested and time.monotonic() < ends_s:
-            log.write(inbox.get(POLL_S))
+        loop.run()
     finally:
-        subscription.close()
-    while inbox.backlog:
-        log.write(inbox.get(0.0))
-    return Recorded(dict(log.counts), inbox.dropped, log.missed, log.refused)
+        timer.cancel()
+    return Recorded(dict(log.counts), loop.dropped, loop.lost, log.refused)
 
 
 class Log:
@@ -95,23 +86,16 @@ class Log:
     def __init__(self, writer: McapWriter) -> None:
         self._writer = writer
         self.counts: Counter[str] = Counter()
-        self.missed = 0
         self.refused = 0
 
-    def miss(self, count: int) -> None:
-        """Count samples that were lost for good."""
-        self.missed += count
-
-    def write(self, item: Item | None) -> None:
+    def write(self, sample: Sample) -> None:
         """Write one sample as it was on the bus."""
-        if not isinstance(item, Sample):
-            return
-        key = parse_key(item.key)
-        t_ns = None if key is None else _t_ns(key.topic, item.payload)
+        key = parse_key(sample.key)
+        t_ns = None if key is None else _t_ns(key.topic, sample.payload)
         if key is None or t_ns is None:
             self.refused += 1
             return
-        self._writer.write_payload(item.key, key.topic, item.payload, t_ns, item.received_ns)
+        self._writer.write_payload(sample.key, key.topic, sample.payload, t_ns, sample.received_ns)
         self.counts[key.topic] += 1
 
 

@@ -5,23 +5,23 @@ from collections.abc import Callable
 import zenoh
 
 from wayline.bus import open_session
+from wayline.ending import Ending, unless_ended
 from wayline.settings import BusSettings
-from wayline.stop import Stop, unless_stopped
 
 PATIENCE_S = 1.0
 
 
 def open_or_stop(
-    settings: BusSettings, stop: Stop, say: Callable[[str], None]
+    settings: BusSettings, ending: Ending, say: Callable[[str], None]
 ) -> zenoh.Session | None:
     """A session on the bus, as soon as its router is there; None when stopped before.
 
     Raises InputError as `open_session` does.
     """
     where = ", ".join(settings.connect)
-    return unless_stopped(
+    return unless_ended(
         lambda: open_session(settings),
-        stop,
+        ending,
         patience_s=PATIENCE_S,
         waiting=lambda: say(f"waiting for a router at {where}"),
     )

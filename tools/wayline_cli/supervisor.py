@@ -55,7 +55,7 @@ class Watched:
         self.state, self.changed_s = state, now_s
 
     def fall(self, now_s: float) -> float:
-        """It ended by itself: wait, longer each time that it did not last; the delay."""
+        """Wait after an unasked end, longer each time that the process did not last; the delay."""
         if now_s - self.changed_s >= STEADY_S:
             self.delay_s = FIRST_DELAY_S
         delay_s = self.delay_s

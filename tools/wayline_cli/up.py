@@ -11,9 +11,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
+from wayline.ending import Ending, ending_on_signals
 from wayline.errors import InputError
+from wayline.services import SERVICES
 from wayline.settings import Settings, load_settings
-from wayline.stop import Stop, stop_on_signals
 from wayline_cli.supervisor import Action, Supervisor
 
 POLL_S = 0.05
@@ -43,8 +44,8 @@ def up(config: Path) -> None:
     """
     stages = children(config, load_settings(config))
     names = [child.name for stage in stages for child in stage]
-    with stop_on_signals() as stop:
-        keep_running(stages, stop, line_writer(max(map(len, names))))
+    with ending_on_signals() as ending:
+        keep_running(stages, ending, line_writer(max(map(len, names))))
 
 
 def children(config: Path, settings: Settings) -> list[list[Child]]:
@@ -64,7 +65,7 @@ def children(config: Path, settings: Settings) -> list[list[Child]]:
 
 def service_command(name: str, config: Path) -> tuple[str, ...]:
     """How to run a service: its command stands beside this Python."""
-    executable = Path(sys.executable).with_name(f"wayline-{name}")
+    executable = Path(sys.executable).with_name(SERVICES[name].command)
     if not os.access(executable, os.X_OK):
         raise InputError(str(executable), "no such command", f'pip install "wayline[{name}]"')
     return (str(executable), "--config", str(config))
@@ -83,18 +84,18 @@ def line_writer(width: int) -> Say:
     return say
 
 
-def keep_running(stages: Sequence[Sequence[Child]], stop: Stop, say: Say) -> None:
+def keep_running(stages: Sequence[Sequence[Child]], ending: Ending, say: Say) -> None:
     """Start processes, restart what ends, end them all when asked to stop."""
     commands = {child.name: child.command for stage in stages for child in stage}
     supervisor = Supervisor([[child.name for child in stage] for stage in stages])
     running: dict[str, Running] = {}
     try:
         while not supervisor.is_over:
-            if stop.requested:
+            if ending.requested:
                 supervisor.stop()
             _carry_out(supervisor, commands, running, say)
             _notice_ends(supervisor, running, say)
-            _pause(stop)
+            _pause(ending)
     finally:
         for process, _ in running.values():
             process.kill()
@@ -161,8 +162,8 @@ def _ending(status: int) -> str:
     return f"was ended by {signal.Signals(-status).name}"
 
 
-def _pause(stop: Stop) -> None:
-    if stop.requested:
+def _pause(ending: Ending) -> None:
+    if ending.requested:
         time.sleep(POLL_S)
     else:
-        stop.wait(POLL_S)
+        ending.wait(POLL_S)

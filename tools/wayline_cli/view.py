@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from wayline.codec import decode
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.messages import TOPICS, Message
-from wayline.route import Route, load_route
+from wayline.route import Route
+from wayline.route_file import load_route
 from wayline_replay.replay import replay
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def _open_recording(path: Path, routes: Mapping[str, Route]) -> "RerunRecording"
 
 
 def is_drive(source: Path) -> bool:
-    """Whether it is a drive's folder or its `drive.toml`."""
+    """Whether a source is a drive's folder or its `drive.toml`."""
     return source.suffix == ".toml" or (source / "drive.toml").exists()
 
 

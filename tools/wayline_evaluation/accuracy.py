@@ -23,7 +23,7 @@ NEAR_M = 15.0
 
 
 class PartAccuracy(msgspec.Struct, frozen=True, kw_only=True):
-    """Of all poses, of those with GPS, or of those without (dead_reckoning, lost)."""
+    """Errors of all poses, of poses with GPS, or of poses without (dead_reckoning, lost)."""
 
     errors: Errors
     consistency: Consistency | None
@@ -40,7 +40,7 @@ class Accuracy(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class DriveAccuracy(msgspec.Struct, frozen=True, kw_only=True):
-    """Of one drive, or of all of them pooled."""
+    """Accuracy of one drive, or of all drives pooled."""
 
     drive: str
     reference: Kind

@@ -30,13 +30,15 @@ PAPER_PCT = 5.3
 
 
 class ArchitectureRow(msgspec.Struct, frozen=True, kw_only=True):
-    """One architecture in all outages of one duration; null where nothing is known."""
+    """One architecture in all outages of one duration; null where nothing is known.
+
+    The way driven and the cross-track errors are means over the outages.
+    """
 
     architecture: str
     duration_s: float
     count: int
     distance_m: float
-    """Mean over the outages, as the three means below are."""
     cross_track_m: float
     cross_track_pct: float | None
     horizontal_m: Figures | None = None

@@ -102,7 +102,7 @@ def outages_command(
 ) -> None:
     """Errors at the end of outages of GPS, as papers/001 lists them."""
     from wayline_evaluation.growth_plot import plot_growth
-    from wayline_evaluation.outage_study import Plan, architectures_of, outage_study
+    from wayline_evaluation.outage_study import OutagePlan, architectures_of, outage_study
     from wayline_evaluation.plots import plot_outages
     from wayline_evaluation.replays import Options
     from wayline_evaluation.tables import architecture_tables, outage_tables
@@ -112,7 +112,7 @@ def outages_command(
     if min(lengths_s) <= 0.0:
         raise InputError("--length", f"{min(lengths_s):g} s is no outage", "give more than 0")
     compared = () if architectures is None else architectures_of(architectures)
-    plan = Plan(lengths_s, every, start, passes, compared)
+    plan = OutagePlan(lengths_s, every, start, passes, compared)
     with progress() as progressed:
         options = Options(out=out, jobs=jobs, yardstick=yardstick)
         report = outage_study(drives, plan, options, progressed)
@@ -208,7 +208,7 @@ def _tell(tables: "Iterable[Table]", report: "msgspec.Struct", json: Path | None
 
 @contextmanager
 def progress(what: str = "replays") -> Iterator[Callable[[int, int], None]]:
-    """How many of them are done, on a terminal."""
+    """Shows on a terminal how many of several pieces of work are done."""
     console = Console(stderr=True)
     columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(

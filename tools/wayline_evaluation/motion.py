@@ -16,7 +16,7 @@ LONGEST_S = 60.0
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class SensedMotion:
     """At the instants, shape (n,), and from the instant before to each."""
 
     times_s: Floats
@@ -25,15 +25,15 @@ class Motion:
     """Negative in reverse."""
     speeds_mps: Floats
     steady_s: Floats
-    """How long the wheel speed has read and will read the same."""
+    """How long the wheel speed has had its reading and will keep it."""
     standing: NDArray[np.bool_]
 
 
-def motion_at(times_s: Floats, sensed: Sensed, *, wheels_low_mps: float = 0.0) -> Motion:
+def motion_at(times_s: Floats, sensed: Sensed, *, wheels_low_mps: float = 0.0) -> SensedMotion:
     """Both sensors integrated exactly; wheels that turn read too low by `wheels_low_mps`."""
     raw = sensed.speed_mps
     wheels = Series(raw.times_s, raw.values + wheels_low_mps * np.sign(raw.values))
-    return Motion(
+    return SensedMotion(
         times_s=times_s,
         turned_deg=np.diff(integral(sensed.yaw_rate_degps, times_s), prepend=0.0),
         driven_m=np.diff(integral(wheels, times_s), prepend=0.0),

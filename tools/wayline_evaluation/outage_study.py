@@ -34,7 +34,7 @@ BETWEEN_S = 120.0
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class OutagePlan:
     """When GPS is taken away, and from which architectures."""
 
     lengths_s: tuple[float, ...] = (60.0,)
@@ -92,7 +92,7 @@ def architectures_of(names: str) -> tuple[ArchitectureName, ...]:
 
 
 def outage_study(
-    folders: Sequence[Path], plan: Plan, options: Options, progressed: Progressed
+    folders: Sequence[Path], plan: OutagePlan, options: Options, progressed: Progressed
 ) -> OutageReport:
     """Errors at the end of outages. Raises InputError."""
     if options.yardstick:
@@ -118,7 +118,7 @@ def _undisturbed(folder: Path) -> Replayed:
     return replayed(folder, (), None)
 
 
-def _passes(folder: Path, run: Replayed, plan: Plan, options: Options) -> Iterator[Pass]:
+def _passes(folder: Path, run: Replayed, plan: OutagePlan, options: Options) -> Iterator[Pass]:
     for length_s in plan.lengths_s:
         schedules = plan.outages(length_s, run.end_s - run.start_s)
         for number, outages in enumerate(schedules, start=1):

@@ -24,7 +24,7 @@ class PoseErrors:
     along_track_m: Floats
     """Positive ahead of the truth."""
     cross_track_m: Floats
-    """Positive right of it."""
+    """Positive right of the truth."""
     heading_deg: Floats
     speed_mps: Floats
     alt_m: Floats
@@ -56,7 +56,7 @@ class PoseErrors:
         return nees
 
     def where(self, mask: Mask) -> "PoseErrors":
-        """Those of some instants."""
+        """The errors at some of the instants."""
         return PoseErrors(*(getattr(self, field.name)[mask] for field in fields(self)))
 
 
@@ -96,7 +96,7 @@ def compared(estimates: Estimates, reference: Reference) -> PoseErrors:
 
 
 def pooled(errors: Sequence[PoseErrors]) -> PoseErrors:
-    """Of many drives, each instant counting the same."""
+    """The errors of many drives as one, each instant counting alike."""
     return PoseErrors(
         *(
             np.concatenate([getattr(each, field.name) for each in errors])

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import msgspec
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Pose, Torque
 from wayline.tuning import ArchitectureName

@@ -27,9 +27,9 @@ class Cluster(NamedTuple):
     """What fixes that agree with each other, and are wrong, did to the poses."""
 
     pull_m: float
-    """How far they moved them at most."""
+    """How far the fixes moved the poses at most."""
     recovery_s: float
-    """After the last of them until poses stay near the truth; infinite where they never do."""
+    """From the last wrong fix until poses stay near the truth; infinite where they never do."""
 
 
 class Start(NamedTuple):

@@ -13,7 +13,7 @@ FIRST_OUTAGE_S, BETWEEN_S = 240.0, 120.0
 """Time to calibrate before the first and between two."""
 
 
-class Plan(NamedTuple):
+class ScenarioPlan(NamedTuple):
     """How much of a scenario is looked at."""
 
     length_m: float | None = None
@@ -26,16 +26,16 @@ class Plan(NamedTuple):
 
 
 PLANS = {
-    "town": Plan(outages=True, share=3),
-    "main-road": Plan(outages=True, share=3),
-    "motorway": Plan(outages=True, share=3),
-    "cheap-box": Plan(outages=True),
-    "like-css-164": Plan(length_m=30_000.0, outages=True),
-    "thesis-main-road": Plan(length_m=15_000.0),
-    "thesis-motorway": Plan(length_m=15_000.0),
-    "outages": Plan(length_m=20_000.0),
-    "shuttle-loop": Plan(laps=3),
-    "day": Plan(laps=2),
+    "town": ScenarioPlan(outages=True, share=3),
+    "main-road": ScenarioPlan(outages=True, share=3),
+    "motorway": ScenarioPlan(outages=True, share=3),
+    "cheap-box": ScenarioPlan(outages=True),
+    "like-css-164": ScenarioPlan(length_m=30_000.0, outages=True),
+    "thesis-main-road": ScenarioPlan(length_m=15_000.0),
+    "thesis-motorway": ScenarioPlan(length_m=15_000.0),
+    "outages": ScenarioPlan(length_m=20_000.0),
+    "shuttle-loop": ScenarioPlan(laps=3),
+    "day": ScenarioPlan(laps=2),
 }
 """Where the scenario as it is takes too long, or the drive serves for outages."""
 
@@ -45,7 +45,7 @@ class StudyDrive(NamedTuple):
 
     scenario: str
     seed: int
-    plan: Plan
+    plan: ScenarioPlan
 
     @property
     def name(self) -> str:
@@ -54,16 +54,16 @@ class StudyDrive(NamedTuple):
 
 
 def first_seed(scenario: str) -> int:
-    """The same on every machine."""
+    """The first of a scenario's seeds, alike on every machine."""
     return 1000 + zlib.crc32(scenario.encode()) % SEEDS
 
 
 def study_drives(scenarios: list[str], seeds: int) -> list[StudyDrive]:
-    """So many drives of each scenario, more of those whose outages are pooled."""
+    """`seeds` drives of each scenario, more of a scenario whose outages are pooled."""
     return [
         StudyDrive(scenario, first_seed(scenario) + number, plan)
         for scenario in scenarios
-        for plan in [PLANS.get(scenario, Plan())]
+        for plan in [PLANS.get(scenario, ScenarioPlan())]
         for number in range(seeds * plan.share)
     ]
 

@@ -2,7 +2,6 @@
 
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,17 +20,16 @@ from wayline_evaluation.scenario_bars import (
     worst_m,
 )
 from wayline_evaluation.scenario_plan import StudyDrive, outages_within
+from wayline_evaluation.studied import Bars, Studied
 from wayline_evaluation.told import told
 from wayline_replay.outages import Outage
 from wayline_replay.replay import Summary, replay
 from wayline_simulator.course import Surroundings
 from wayline_simulator.drive_folder import simulate
-from wayline_simulator.facts import read_facts
+from wayline_simulator.facts_file import read_facts
 from wayline_simulator.happenings import Happenings
-from wayline_simulator.scenario import Scenario, load_scenario, overlaid
-
-Bars = dict[str, float | None]
-"""By name; None where the drive had no occasion."""
+from wayline_simulator.scenario import Scenario, overlaid
+from wayline_simulator.scenario_file import load_scenario
 
 
 class Task(NamedTuple):
@@ -41,21 +39,7 @@ class Task(NamedTuple):
     folder: Path
 
 
-@dataclass(frozen=True, slots=True)
-class Studied:
-    """What was seen on one drive."""
-
-    drive: StudyDrive
-    distance_m: float
-    errors: dict[str, PoseErrors]
-    """By filter: fusion, yardstick."""
-    outages: tuple[OutageScore, ...]
-    blind: dict[str, PoseErrors]
-    """By filter, in those outages; empty where the plan has none."""
-    bars: Bars
-
-
-class Seen(NamedTuple):
+class Outcome(NamedTuple):
     """One replay beside the truth."""
 
     scenario: Scenario
@@ -85,8 +69,8 @@ def _studied(task: Task) -> Studied:
     if can_be_told:
         errors["yardstick"] = compared(told(folder, (), run.estimates.times_s), truth)
     happened = Happenings() if facts is None else facts.happenings
-    seen = Seen(scenario, happened, truth, run, summary, errors["fusion"])
-    bars = BARS[drive.scenario](seen) if drive.scenario in BARS else {}
+    outcome = Outcome(scenario, happened, truth, run, summary, errors["fusion"])
+    bars = BARS[drive.scenario](outcome) if drive.scenario in BARS else {}
     outages, blind = _outages(folder, run, truth) if drive.plan.outages else ((), {})
     return Studied(drive, float(truth.distances_m[-1]), errors, outages, blind, bars)
 
@@ -132,36 +116,37 @@ def _outages(
     return tuple(score for score in scores if score is not None), blind
 
 
-def _displaced(seen: Seen) -> Bars:
+def _displaced(outcome: Outcome) -> Bars:
     sizes_m = [
-        (event.east_m**2 + event.north_m**2) ** 0.5 for event in seen.scenario.events.displacements
+        (event.east_m**2 + event.north_m**2) ** 0.5
+        for event in outcome.scenario.events.displacements
     ]
     # the drive may end before the last of them
     return {
-        f"{size_m:.0f} m moves": moved_m(seen.errors, span)
-        for size_m, span in zip(sizes_m, seen.happened.displaced, strict=False)
+        f"{size_m:.0f} m moves": moved_m(outcome.errors, span)
+        for size_m, span in zip(sizes_m, outcome.happened.displaced, strict=False)
     }
 
 
-def _cluster(seen: Seen) -> Bars:
-    found = cluster(seen.errors, seen.happened.displaced[0])
+def _cluster(outcome: Outcome) -> Bars:
+    found = cluster(outcome.errors, outcome.happened.displaced[0])
     return {"pull, m": found.pull_m, "good fixes win, s": found.recovery_s}
 
 
-def _canyon(seen: Seen) -> Bars:
-    canyons = surrounded(seen.happened, Surroundings.CANYON, float(seen.truth.times_s[-1]))
-    times_s, fixes_m = fix_errors_m(seen.run.fixes, seen.truth)
-    return {"p95 over fixes'": canyon_ratio(seen.errors, times_s, fixes_m, canyons)}
+def _canyon(outcome: Outcome) -> Bars:
+    canyons = surrounded(outcome.happened, Surroundings.CANYON, float(outcome.truth.times_s[-1]))
+    times_s, fixes_m = fix_errors_m(outcome.run.fixes, outcome.truth)
+    return {"p95 over fixes'": canyon_ratio(outcome.errors, times_s, fixes_m, canyons)}
 
 
-def _garage(seen: Seen) -> Bars:
-    inside = surrounded(seen.happened, Surroundings.GARAGE, float(seen.truth.times_s[-1]))
-    return {"worst inside, m": worst_m(seen.errors, inside)}
+def _garage(outcome: Outcome) -> Bars:
+    inside = surrounded(outcome.happened, Surroundings.GARAGE, float(outcome.truth.times_s[-1]))
+    return {"worst inside, m": worst_m(outcome.errors, inside)}
 
 
-def _cold_start(seen: Seen) -> Bars:
-    first = next(fix for fix in seen.run.fixes if fix.valid)
-    found = start(seen.errors, first.t_ns * 1e-9)
+def _cold_start(outcome: Outcome) -> Bars:
+    first = next(fix for fix in outcome.run.fixes if fix.valid)
+    found = start(outcome.errors, first.t_ns * 1e-9)
     return {
         "10 s after the first fix, m": found.horizontal_m,
         "deg": found.heading_deg,
@@ -169,9 +154,9 @@ def _cold_start(seen: Seen) -> Bars:
     }
 
 
-def _gps_only(seen: Seen) -> Bars:
-    _, fixes_m = fix_errors_m(seen.run.fixes, seen.truth)
-    found = trip(seen.run.estimates, seen.errors, fixes_m, seen.truth)
+def _gps_only(outcome: Outcome) -> Bars:
+    _, fixes_m = fix_errors_m(outcome.run.fixes, outcome.truth)
+    found = trip(outcome.run.estimates, outcome.errors, fixes_m, outcome.truth)
     return {
         "RMS over fixes'": found.position_ratio,
         "speed RMS, m/s": found.speed_mps,
@@ -179,14 +164,14 @@ def _gps_only(seen: Seen) -> Bars:
     }
 
 
-def _damaged(seen: Seen) -> Bars:
+def _damaged(outcome: Outcome) -> Bars:
     return {
-        "bad inputs counted": float(sum(seen.summary.bad_input.values())),
-        "poses": float(seen.summary.counts["pose"]),
+        "bad inputs counted": float(sum(outcome.summary.bad_input.values())),
+        "poses": float(outcome.summary.counts["pose"]),
     }
 
 
-BARS: dict[str, Callable[[Seen], Bars]] = {
+BARS: dict[str, Callable[[Outcome], Bars]] = {
     "displaced-fixes": _displaced,
     "cluster-after-blackout": _cluster,
     "canyon": _canyon,

@@ -16,7 +16,7 @@ from wayline_evaluation.figures import (
 )
 from wayline_evaluation.outages import OutageScore
 from wayline_evaluation.pose_errors import PoseErrors, pooled
-from wayline_evaluation.scenario_study import Bars, Studied
+from wayline_evaluation.studied import Bars, Studied
 
 HEADER = (
     "scenario",

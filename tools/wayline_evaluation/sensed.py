@@ -1,17 +1,14 @@
-"""What a drive's sensors measured, as arrays: the input of the filters that judge and compare."""
+"""Pure: what a drive's sensors measured, as arrays: what judging filters are fed with."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wayline.drive import Drive
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
 from wayline_evaluation.estimates import Floats
 from wayline_replay.outages import Outage
-from wayline_replay.stream import DriveStream
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +42,6 @@ class Sensed:
     """The vehicle's own; empty where it reports none."""
 
 
-def sense(drive: Drive, where: Path) -> Sensed:
-    """Read a drive. Raises InputError."""
-    return sensed_of(arrival.message for arrival in DriveStream(drive, str(where)))
-
-
 def sensed_of(messages: Iterable[Message]) -> Sensed:
     """Sort messages by sensor and time."""
     kinds: dict[type[Message], list[Message]] = {}
@@ -71,7 +63,7 @@ def sensed_of(messages: Iterable[Message]) -> Sensed:
 
 
 def without_fixes(sensed: Sensed, outages: Sequence[Outage]) -> Sensed:
-    """The same drive with GPS taken away; the receiver itself was never blind then."""
+    """A drive with GPS taken away; the receiver itself was never blind then."""
     since_s = np.array([fix.t_ns for fix in sensed.fixes], dtype=np.float64) * 1e-9 - sensed.start_s
     kept = np.ones(len(sensed.fixes), dtype=np.bool_)
     for start_s, length_s in outages:
@@ -81,7 +73,7 @@ def without_fixes(sensed: Sensed, outages: Sequence[Outage]) -> Sensed:
 
 
 def without_speeds(sensed: Sensed, spoilt: NDArray[np.bool_]) -> Sensed:
-    """The same drive with some of the wheels' speeds left out, shape (n,)."""
+    """A drive with some of the wheels' speeds left out, shape (n,)."""
     wheels = sensed.speed_mps
     kept = Series(wheels.times_s[~spoilt], wheels.values[~spoilt])
     return replace(sensed, speed_mps=kept)

@@ -134,7 +134,7 @@ def even_errors_m(epochs: Epochs) -> Floats:
 def correlation_curve(
     records: Sequence[SensorRecord], lags_s: Sequence[float]
 ) -> tuple[Correlation, ...]:
-    """Of the drives that have a truth, which must have the same rate."""
+    """Correlation of the errors of the drives that have a truth; their rates must be one."""
     epochs = [record.epochs for record in records if record.has_truth and record.epochs.valid.any()]
     errors_m = [even_errors_m(each) for each in epochs]
     step_s = _interval_s(epochs[0]) if epochs else 1.0

@@ -22,7 +22,7 @@ SHOWN_S = 3.0
 TRACKS_MAX = 12
 """More standstills hide each other."""
 ROW_GAP = 6.0
-"""Between two gyros one above the other, in standard deviations of the noisiest."""
+"""Space between two gyros' rows, in standard deviations of the noisiest."""
 
 
 def plot_sensors(groups: Sequence[Group], path: Path) -> None:

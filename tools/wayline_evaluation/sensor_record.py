@@ -32,7 +32,7 @@ class Epochs:
     errors_m: Floats
     """East, north and up of the truth, shape (n, 3); nan without one."""
     speed_errors_mps: Floats
-    """The same of the speed, which has no sign."""
+    """The fixes' speed minus the true one, shape (n,); nan without a truth. A speed has no sign."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class SensorRecord:
     odometer: Series
     barometer: Series
     rests: tuple[Span, ...]
-    """When it stood."""
+    """When the vehicle stood."""
     has_truth: bool
     facts: Facts | None
     """Of a simulated drive."""

@@ -31,7 +31,7 @@ class AllanPoint(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def quantiles_of(values: Floats) -> Quantiles | None:
-    """Of those that are known; None where none is."""
+    """Quantiles of the values that are known; None where none is."""
     known = values[~np.isnan(values)]
     if not len(known):
         return None

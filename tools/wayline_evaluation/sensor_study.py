@@ -6,7 +6,8 @@ from pathlib import Path
 
 import msgspec
 
-from wayline.drive import Drive, DriveInfo, NmeaSource, load_drive
+from wayline.drive import Drive, DriveInfo, NmeaSource
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.messages import GpsFix
 from wayline_evaluation.replays import Progressed, drive_name
@@ -24,7 +25,8 @@ from wayline_evaluation.sensor_vehicle import (
 from wayline_evaluation.standstills import Span, standstills
 from wayline_evaluation.truth import read_truth
 from wayline_replay.stream import DriveStream
-from wayline_simulator.facts import Facts, read_facts
+from wayline_simulator.facts import Facts
+from wayline_simulator.facts_file import read_facts
 
 NMEA_SUFFIXES = (".nmea", ".log", ".txt")
 DOPPLER_REST_MPS = 0.5
@@ -42,7 +44,7 @@ class SensorColumn(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class SensorReport(msgspec.Struct, frozen=True, kw_only=True):
-    """The drives pooled, then each of those beside them."""
+    """What the drives' sensors are like: all drives pooled, then each drive."""
 
     columns: tuple[SensorColumn, ...]
 

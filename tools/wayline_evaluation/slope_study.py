@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline_evaluation.estimates import Estimates
 from wayline_evaluation.replays import (
     Options,
@@ -16,7 +16,8 @@ from wayline_evaluation.replays import (
     needed_truth,
     replayed,
 )
-from wayline_evaluation.sensed import Sensed, sense
+from wayline_evaluation.sensed import Sensed
+from wayline_evaluation.sensed_drive import sense
 from wayline_evaluation.slope import Grades, Profiles, SlopeReport, profiles_of, slope_report
 from wayline_evaluation.thesis_filter import (
     SENSORS,

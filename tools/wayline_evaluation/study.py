@@ -12,9 +12,10 @@ from wayline.errors import InputError
 from wayline_evaluation.commands import progress
 from wayline_evaluation.figures import figures_of
 from wayline_evaluation.scenario_plan import study_drives
-from wayline_evaluation.scenario_study import Studied, study
+from wayline_evaluation.scenario_study import study
 from wayline_evaluation.scenario_table import markdown, yardstick_lines
-from wayline_simulator.scenario import shipped_scenarios
+from wayline_evaluation.studied import Studied
+from wayline_simulator.scenario_file import shipped_scenarios
 
 TABLE_NAME, DRIVES_NAME = "study.md", "study.json"
 

@@ -3,15 +3,17 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline_evaluation.estimates import Estimates, Floats
 from wayline_evaluation.replays import needed_truth
-from wayline_evaluation.sensed import sense, without_fixes
+from wayline_evaluation.sensed import without_fixes
+from wayline_evaluation.sensed_drive import sense
 from wayline_evaluation.yardstick_altitude import road_unrest_pct2_per_m
 from wayline_evaluation.yardstick_run import told_estimates
 from wayline_replay.outages import Outage
-from wayline_simulator.facts import Facts, read_facts
+from wayline_simulator.facts import Facts
+from wayline_simulator.facts_file import read_facts
 
 
 def needed_facts(folder: Path) -> Facts:

@@ -17,13 +17,13 @@ from wayline_evaluation.circumstances import Circumstances
 from wayline_evaluation.dilution import ROUNDING, Dilution
 from wayline_evaluation.estimates import Floats
 from wayline_evaluation.gaussian import Gaussian, decayed, gate_of
-from wayline_evaluation.motion import Motion, changing_s, period_s
+from wayline_evaluation.motion import SensedMotion, changing_s, period_s
 from wayline_evaluation.plane import Grid
 from wayline_evaluation.sensed import Sensed
 from wayline_evaluation.yardstick_state import (
     BIASES,
     WHEELS,
-    States,
+    YardstickStates,
     rounding_std_degps,
     start,
     start_stds,
@@ -46,7 +46,7 @@ COURSE_MPS = 1.0
 UNCHANGED_S = 1e6
 """At rest a gyro's rounding error stays as it is."""
 
-S = States
+S = YardstickStates
 REFLECTED = [S.REFLECTED_EAST, S.REFLECTED_NORTH]
 
 
@@ -97,7 +97,7 @@ class Yardstick:
         speed_mps = float(row @ mean)
         return speed_mps, math.sqrt(max(variance, 0.0))
 
-    def advance(self, motion: Motion, step: int, since_start_s: float) -> None:
+    def advance(self, motion: SensedMotion, step: int, since_start_s: float) -> None:
         """From the instant before to that of `step`."""
         step_s = float(motion.times_s[step] - motion.times_s[step - 1])
         if step_s <= 0.0:
@@ -147,7 +147,7 @@ class Yardstick:
             noise[[S.EAST, S.NORTH], [S.EAST, S.NORTH]] = moved_m**2
 
     def _wander(
-        self, mean: Floats, transition: Floats, step_s: float, motion: Motion, step: int
+        self, mean: Floats, transition: Floats, step_s: float, motion: SensedMotion, step: int
     ) -> Floats:
         """Let the Gauss-Markov states decay; returns the process noise."""
         gps, gyro, odometer = self.gps, self.gyro, self.odometer

@@ -47,7 +47,7 @@ GPS_ROUNDING_M = 0.1 / np.sqrt(12.0)
 """GGA tells decimetres."""
 
 
-class States(IntEnum):
+class AltitudeStates(IntEnum):
     """Places in the state."""
 
     ALTITUDE = 0  # m
@@ -61,7 +61,7 @@ class States(IntEnum):
     REFLECTED = 8  # share of what a canyon's walls do
 
 
-S = States
+S = AltitudeStates
 
 
 class Event(NamedTuple):

@@ -12,7 +12,7 @@ from wayline_evaluation.plane import Grid
 from wayline_evaluation.sensed import Sensed, without_speeds
 from wayline_evaluation.yardstick import Yardstick
 from wayline_evaluation.yardstick_altitude import told_altitudes
-from wayline_evaluation.yardstick_state import States
+from wayline_evaluation.yardstick_state import YardstickStates
 from wayline_simulator.facts import Facts
 from wayline_simulator.happenings import Happenings, Span
 
@@ -116,15 +116,15 @@ def _logged(filter_: Yardstick, wheels_mps: float, distance_m: float, blind_s: f
     heading = filter_.heading_known
     return np.array(
         [
-            mean[States.EAST],
-            mean[States.NORTH],
-            mean[States.HEADING] if heading else np.nan,
+            mean[YardstickStates.EAST],
+            mean[YardstickStates.NORTH],
+            mean[YardstickStates.HEADING] if heading else np.nan,
             speed_mps,
             distance_m,
-            stds[States.EAST],
-            stds[States.NORTH],
-            covariance[States.EAST, States.NORTH],
-            stds[States.HEADING] if heading else np.nan,
+            stds[YardstickStates.EAST],
+            stds[YardstickStates.NORTH],
+            covariance[YardstickStates.EAST, YardstickStates.NORTH],
+            stds[YardstickStates.HEADING] if heading else np.nan,
             speed_std_mps,
             blind_s,
         ]

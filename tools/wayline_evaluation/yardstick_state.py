@@ -17,7 +17,7 @@ TYRES_STD = 0.001
 `wayline_simulator.tyres`. A second source of slow wander beside the sensor's own."""
 
 
-class States(IntEnum):
+class YardstickStates(IntEnum):
     """Places in the state, with the unit of each; the models say what each is."""
 
     EAST = 0  # m
@@ -40,15 +40,15 @@ class States(IntEnum):
     REFLECTED_NORTH = 17
 
 
-S = States
+S = YardstickStates
 WHEELS = (S.WHEEL_SCALE, S.WHEEL_WANDER, S.WHEEL_SLIP)
-"""Their sum is true over measured."""
+"""States whose sum is the true speed over the measured one."""
 BIASES = (S.GYRO_BIAS, S.GYRO_WANDER, S.GYRO_ROUNDING)
 """In deg/s, beside what comes of warmth."""
 
 
 def rounding_std_degps(gyro: GyroModel) -> float:
-    """Of what rounding adds to a moving gyro's mean as long as the rate does not change.
+    """Std of what rounding adds to a moving gyro's mean as long as the rate does not change.
 
     First harmonic of a quantiser's error under Gaussian dither (Widrow and Kollar, Quantization
     Noise): much noise leaves nothing of it.

@@ -4,12 +4,12 @@ import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from wayline.arrival import Arrival
 from wayline.errors import InputError
 from wayline.messages import GpsFix
+from wayline.received import Received
 
 HEAD_NS = 5_000_000_000
-"""A drive's smallest t_ns comes within this much arrival time of its first message."""
+"""A drive's smallest t_ns comes within this much time of receipt of its first message."""
 
 
 class Outage(NamedTuple):
@@ -32,15 +32,15 @@ def parse_outage(text: str) -> Outage:
     return outage
 
 
-def check_outages(arrivals: Iterable[Arrival], outages: Sequence[Outage]) -> None:
+def check_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> None:
     """Raise InputError for an outage that begins behind a drive's end; reads up to the last one."""
     last = max(outages, key=lambda outage: outage.start_s)
-    stream = iter(arrivals)
+    stream = iter(messages)
     head = _head(stream)
-    start_ns = min((arrival.message.t_ns for arrival in head), default=0)
+    start_ns = min((each.message.t_ns for each in head), default=0)
     lasted_s = 0.0
-    for arrival in itertools.chain(head, stream):
-        lasted_s = max(lasted_s, (arrival.message.t_ns - start_ns) * 1e-9)
+    for each in itertools.chain(head, stream):
+        lasted_s = max(lasted_s, (each.message.t_ns - start_ns) * 1e-9)
         if lasted_s >= last.start_s:
             return
     text = f"{last.start_s:g}:{last.length_s:g}"
@@ -48,23 +48,23 @@ def check_outages(arrivals: Iterable[Arrival], outages: Sequence[Outage]) -> Non
     raise InputError("--gps-outage", what, "give an earlier start")
 
 
-def with_outages(arrivals: Iterable[Arrival], outages: Sequence[Outage]) -> Iterator[Arrival]:
+def with_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> Iterator[Received]:
     """Blank position, speed, course and altitude of every fix measured during an outage."""
-    stream = iter(arrivals)
+    stream = iter(messages)
     head = _head(stream)
     if not head:
         return
-    start_ns = min(arrival.message.t_ns for arrival in head)
+    start_ns = min(received.message.t_ns for received in head)
     spans = [
         (start_ns + round(start_s * 1e9), start_ns + round((start_s + length_s) * 1e9))
         for start_s, length_s in outages
     ]
-    for arrival in itertools.chain(head, stream):
-        message = arrival.message
+    for received in itertools.chain(head, stream):
+        message = received.message
         if isinstance(message, GpsFix) and any(a <= message.t_ns < b for a, b in spans):
-            yield arrival._replace(message=blanked(message))
+            yield received._replace(message=blanked(message))
         else:
-            yield arrival
+            yield received
 
 
 def blanked(fix: GpsFix) -> GpsFix:
@@ -72,10 +72,10 @@ def blanked(fix: GpsFix) -> GpsFix:
     return GpsFix(t_ns=fix.t_ns, valid=False, satellites=0)
 
 
-def _head(stream: Iterator[Arrival]) -> list[Arrival]:
-    head: list[Arrival] = []
-    for arrival in stream:
-        head.append(arrival)
-        if arrival.arrival_ns - head[0].arrival_ns > HEAD_NS:
+def _head(stream: Iterator[Received]) -> list[Received]:
+    head: list[Received] = []
+    for received in stream:
+        head.append(received)
+        if received.received_ns - head[0].received_ns > HEAD_NS:
             break
     return head

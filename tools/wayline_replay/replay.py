@@ -1,4 +1,4 @@
-"""Runs a drive through all six cores in one process, as fast as it can, without a bus."""
+"""Runs a drive through the services' cores in one process, as fast as it can, without a bus."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -6,27 +6,20 @@ from pathlib import Path
 
 import msgspec
 
-from wayline.database import open_database
-from wayline.drive import Drive, load_drive
+from wayline.drive_file import load_drive
 from wayline.messages import Message, Pose
-from wayline.node import Node
 from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
-from wayline.route import Route, load_route
+from wayline.replayed_drive import ReplayedDrive
+from wayline.route_file import load_route
 from wayline.tuning import ArchitectureName
-from wayline_dashboard.core import DashboardCore
-from wayline_eta.core import make_eta_core
-from wayline_fusion.core import FusionCore
-from wayline_fusion.store import FusionStore
 from wayline_replay.outages import Outage, with_outages
+from wayline_replay.parts import nodes
 from wayline_replay.stream import DriveStream
-from wayline_slope_map.core import SlopeMapCore
-from wayline_slope_map.store import SlopeStore
 
 Progressed = Callable[[float], None]
 """Called now and then with the seconds of the drive replayed so far."""
 REPORT_EVERY = 2_000
-IN_MEMORY = "sqlite://"
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
@@ -75,12 +68,12 @@ def replay(
         route_path = Path(drive.route.path)
     route = load_route(route_path) if route_path else None
     stream = DriveStream(drive, str(folder))
-    arrivals = with_outages(stream, outages) if outages else iter(stream)
+    messages = with_outages(stream, outages) if outages else iter(stream)
     with JsonLines(out, drive.drive.vehicle_id) as lines:
         span = _Span(lines.write)
-        pipeline = Pipeline(build_nodes(drive, route, database_url), span.publish)
-        for number, arrival in enumerate(arrivals):
-            pipeline.feed(arrival.message, arrival.source)
+        pipeline = Pipeline(nodes(ReplayedDrive(drive, route, database_url)), span.publish)
+        for number, received in enumerate(messages):
+            pipeline.feed(received.message, received.source)
             if number % REPORT_EVERY == 0:
                 progressed(span.duration_s)
         pipeline.finish()
@@ -95,35 +88,6 @@ def replay(
         left_out=stream.left_out,
         warnings=stream.warnings,
     )
-
-
-def build_nodes(drive: Drive, route: Route | None, database_url: str | None) -> list[Node]:
-    """The cores behind the ingest; without a database what is learned goes with the replay."""
-    vehicle_id, tuning = drive.drive.vehicle_id, drive.tuning
-    store = SlopeStore(open_database(database_url or IN_MEMORY, "wayline_slope_map"))
-    slope_map = SlopeMapCore(
-        store.load_roads(),
-        tuning,
-        vehicle_id,
-        route=route.line if route else None,
-        route_id=route.route_id if route else None,
-        loop=route.loop if route else False,
-    )
-    return [
-        fusion_node(drive, database_url),
-        Node("eta", make_eta_core([route] if route else [], tuning)),
-        Node("slope-map", slope_map, store),
-        Node("dashboard", DashboardCore(vehicle_id)),
-    ]
-
-
-def fusion_node(drive: Drive, database_url: str | None) -> Node:
-    """Fusion, going on from what the database knows of this vehicle."""
-    vehicle_id, tuning = drive.drive.vehicle_id, drive.tuning
-    if database_url is None:
-        return Node("fusion", FusionCore(tuning))
-    store = FusionStore(open_database(database_url, "wayline_fusion"), vehicle_id)
-    return Node("fusion", FusionCore(tuning, store.load()), store)
 
 
 class _Span:

@@ -1,26 +1,26 @@
-"""A drive's messages in order of arrival, from all its recordings."""
+"""A drive's messages in order of receipt, from all its recordings."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from wayline.arrival import Arrival, Sources
-from wayline.drive import Drive, load_drive
-from wayline_can_ingest import recorded as can
-from wayline_gps_ingest import recorded as gps
+from wayline.drive import Drive
+from wayline.drive_file import load_drive
+from wayline.received import Received, Sources
 from wayline_replay.outages import Outage, check_outages
+from wayline_replay.parts import recordings
 
 
 class DriveStream(Sources):
-    """Iterates once over a drive's messages in order of arrival.
+    """Iterates once over a drive's messages in order of receipt.
 
     `where` names the drive file in errors. Raises InputError, at the latest at the end where
     nothing of the drive could be read.
     """
 
     def __init__(self, drive: Drive, where: str) -> None:
-        super().__init__([*gps.recordings(drive), *can.recordings(drive, where)])
+        super().__init__(recordings(drive, where))
 
-    def __iter__(self) -> Iterator[Arrival]:
+    def __iter__(self) -> Iterator[Received]:
         yield from super().__iter__()
         self.check()
 

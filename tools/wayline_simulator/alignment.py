@@ -46,7 +46,7 @@ class Bend(NamedTuple):
         return self.radius_m * tangent_share(self.turn_rad)
 
     def elements(self) -> tuple[Element, Element, Element]:
-        """Into the arc, the arc and out of it."""
+        """The elements into the arc, of the arc and out of the arc."""
         curvature = math.copysign(1.0 / self.radius_m, self.turn_rad)
         arc_m = self.radius_m * abs(self.turn_rad) - self.clothoid_m
         return (

@@ -7,7 +7,7 @@ from msgspec import Meta
 from scipy.signal import lfilter
 
 from wayline.air import EXPONENT, SCALE_M
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.course import Surroundings
 from wayline_simulator.journey import Floats, Journey, Truth
 from wayline_simulator.noise import gauss_markov, in_steps, random_steps
@@ -20,7 +20,7 @@ NotNegative = Annotated[float, Meta(ge=0.0)]
 KELVIN = 273.15
 STANDARD_KELVIN = 288.15
 LAPSE_KELVIN_PER_M = 0.0065
-"""Of the standard atmosphere (ISO 2533), like the one above."""
+"""Lapse rate of the standard atmosphere (ISO 2533)."""
 GAS_CONSTANT = 287.053
 """Of dry air, J/(kg K) (ISO 2533)."""
 TUNNEL_MPS = 25.0
@@ -54,9 +54,9 @@ class BarometerModel(Strict, frozen=True, kw_only=True):
     by the flow over their vents."""
     fan_step_pa: NotNegative = 10.0
     """The ventilation changes its stage by steps of this std; judgement, papers/004 section 3.2
-    names the effect without a figure..."""
+    names the effect without a figure."""
     fan_every_s: Positive = 400.0
-    """...this often on average; judgement."""
+    """Mean time between two changes of the ventilation's stage; judgement."""
     tunnel_pa: NotNegative = 60.0
     """Piston effect: pressure at a tunnel's entrance at 25 m/s, with the square of the speed, and
     the same suction at its exit; judgement: a sixth of the dynamic pressure."""

@@ -9,7 +9,7 @@ from wayline.geo import metres_per_degree
 from wayline_simulator.course import STEP_M, Course, Floats, lay_course
 
 PASSES = 4
-"""Of Newton's method; the second is already below a millimetre for a gap of metres."""
+"""Passes of Newton's method; the second is already below a millimetre for a gap of metres."""
 
 
 class Start(NamedTuple):

@@ -68,7 +68,8 @@ def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
 
 def _scenario(name: str | None) -> "tuple[Scenario, Path]":
     """The scenario and the folder from which its road's file is looked for."""
-    from wayline_simulator.scenario import Scenario, load_scenario  # noqa: PLC0415
+    from wayline_simulator.scenario import Scenario  # noqa: PLC0415
+    from wayline_simulator.scenario_file import load_scenario  # noqa: PLC0415
 
     if name is None:
         return Scenario(), Path()
@@ -99,7 +100,7 @@ def _print_drive(drive: "Written") -> None:
 
 
 def _print_scenarios() -> None:
-    from wayline_simulator.scenario import shipped_scenarios  # noqa: PLC0415
+    from wayline_simulator.scenario_file import shipped_scenarios  # noqa: PLC0415
 
     table = Table("scenario", "", box=None, header_style="bold", pad_edge=False)
     for name, description in shipped_scenarios().items():

@@ -15,7 +15,7 @@ from wayline_simulator.alignment import (
     straight,
 )
 from wayline_simulator.course import Floats, Halt, Surroundings
-from wayline_simulator.road_plan import Plan, bare_plan, cross_bridges, line_with
+from wayline_simulator.road_plan import RoadPlan, bare_plan, cross_bridges, line_with
 from wayline_simulator.vertical_alignment import Relief, rolling_grade
 
 KMH = 1.0 / 3.6
@@ -84,7 +84,7 @@ HILLS = MAIN._replace(
 )
 
 
-def open_country_road(design: Design, length_m: float, random: np.random.Generator) -> Plan:
+def open_country_road(design: Design, length_m: float, random: np.random.Generator) -> RoadPlan:
     """A road from one place to another."""
     curvature = sample(winding(design, length_m, random))
     plan = bare_plan(
@@ -94,7 +94,7 @@ def open_country_road(design: Design, length_m: float, random: np.random.Generat
     return plan
 
 
-def country_loop(design: Design, length_m: float, random: np.random.Generator) -> Plan:
+def country_loop(design: Design, length_m: float, random: np.random.Generator) -> RoadPlan:
     """A road that ends where it begins and does not cross itself."""
     curvature = sample(_ring(design, length_m, random))
     grade = rolling_grade(len(curvature), design.relief, random, loop=True)
@@ -118,7 +118,7 @@ def winding(design: Design, length_m: float, random: np.random.Generator) -> lis
     return [*elements, straight(design.tangents_m[0])]
 
 
-def furnish_country_road(plan: Plan, design: Design, random: np.random.Generator) -> None:
+def furnish_country_road(plan: RoadPlan, design: Design, random: np.random.Generator) -> None:
     """Limits, woods, bridges and villages."""
     place_m = 0.0
     while place_m < plan.length_m:
@@ -132,7 +132,7 @@ def furnish_country_road(plan: Plan, design: Design, random: np.random.Generator
         _build_villages(plan, design.village_spacing_m, random)
 
 
-def _build_villages(plan: Plan, spacing_m: float, random: np.random.Generator) -> None:
+def _build_villages(plan: RoadPlan, spacing_m: float, random: np.random.Generator) -> None:
     """Half a kilometre or so at 50 km/h between houses, every second one with a light."""
     for number in range(int(plan.length_m / spacing_m)):
         length_m = random.uniform(400.0, 900.0)

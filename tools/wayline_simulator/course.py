@@ -79,7 +79,7 @@ class Course:
     halts: tuple[Halt, ...]
     """In order of distance."""
     loop: bool = False
-    """Its end is its beginning."""
+    """Whether the course ends where it begins."""
 
     @property
     def length_m(self) -> float:

@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.stream import TimedLine
 
 Share = Annotated[float, Meta(ge=0.0, le=1.0)]
@@ -43,9 +43,9 @@ class Damage(Strict, frozen=True, kw_only=True):
     late_s: NotNegative = 1.5
     frames_lost: Share = 0.0
     frames_short: Share = 0.0
-    """Fewer bytes than they should have."""
+    """Share of frames with fewer bytes than they should have."""
     frames_long: Share = 0.0
-    """More bytes, where there is room for them."""
+    """Share of frames with more bytes than they should have, where there is room."""
     frames_repeated: Share = 0.0
 
     @property

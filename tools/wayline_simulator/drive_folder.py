@@ -7,7 +7,8 @@ from typing import NamedTuple
 import msgspec
 
 from wayline.errors import InputError
-from wayline.route import Route, write_route
+from wayline.route import Route
+from wayline.route_file import write_route
 from wayline_simulator.bus_frames import bus_frames
 from wayline_simulator.can_log import log_blocks
 from wayline_simulator.course import repeated
@@ -22,7 +23,8 @@ from wayline_simulator.drive_file import (
     TRUTH_NAME,
     drive_toml,
 )
-from wayline_simulator.facts import Facts, write_facts
+from wayline_simulator.facts import Facts
+from wayline_simulator.facts_file import write_facts
 from wayline_simulator.happenings import happenings
 from wayline_simulator.receiver import nmea_lines
 from wayline_simulator.road import make_course

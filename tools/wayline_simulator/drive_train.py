@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
@@ -15,7 +15,7 @@ RPM_PER_RADPS = 30.0 / math.pi
 TABLE_STEP_RPM = 10.0
 """Between the entries of the torque tables; a curve has no corner that is finer."""
 FUEL_CUT_FADE_RPM = 300.0
-"""Above idle speed, where the overrun's fuel cut sets in fully; judgement."""
+"""So far above idle speed the overrun's fuel cut is complete; judgement."""
 OPEN_SHARE = 0.9
 """Of the launch speed: the clutch opens before slower wheels stall the engine; judgement."""
 
@@ -30,9 +30,9 @@ class EngineModel(Strict, frozen=True, kw_only=True):
     launch_rpm: Positive
     """Held while the clutch slips; with wheels this fast it closes."""
     drag_nm: NotNegative
-    """Friction and pumping without fuel, and..."""
+    """Torque of friction and pumping without fuel, at rest."""
     drag_nm_per_rpm: NotNegative
-    """...how it grows with speed."""
+    """How friction and pumping grow with the engine's speed."""
     exhaust_brake_nm: NotNegative = 0.0
     """What a valve in the exhaust adds to the drag at most; used before the wheel brakes."""
     inertia_kgm2: NotNegative
@@ -49,19 +49,19 @@ class GearboxModel(Strict, frozen=True, kw_only=True):
     efficiency: Annotated[float, Meta(gt=0.0, le=1.0)]
     """From crankshaft to wheels; divides on the overrun, so that it always costs."""
     launch_gear: Annotated[int, Meta(ge=1)]
-    """The lowest that is used; what is below are crawlers."""
+    """The lowest gear that is used; lower ones are crawlers."""
     shift_s: NotNegative
     """With the clutch open."""
     ramp_s: NotNegative
     """In which torque is taken away before the clutch opens."""
     up_light_rpm: Positive
-    """Engine speed for the next gear with little torque, and..."""
+    """Engine speed for the next gear with little torque."""
     up_full_rpm: Positive
-    """...at full load."""
+    """Engine speed for the next gear at full load."""
     down_light_rpm: Positive
-    """Engine speed for the gear below with little torque, and..."""
+    """Engine speed for the next lower gear with little torque."""
     down_full_rpm: Positive
-    """...at full load."""
+    """Engine speed for the next lower gear at full load."""
     skip: Annotated[int, Meta(ge=0)]
     """Gears that may be left out when shifting up."""
     pause_s: NotNegative

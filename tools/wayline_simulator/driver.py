@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
 NotNegative = Annotated[float, Meta(ge=0.0)]
@@ -24,7 +24,7 @@ class DriverModel(Strict, frozen=True, kw_only=True):
     style_std: NotNegative = 0.12
     """From run to run, of the logarithm of all accelerations; judgement."""
     lateral_mps2: Positive = 2.2
-    """In bends; drivers stay below some 2 to 3 (comfort, not grip); judgement."""
+    """Acceleration in bends; drivers stay below some 2 to 3 (comfort, not grip); judgement."""
     acceleration_mps2: Positive = 1.6
     """From rest; falls with speed. Judgement: half a minute to 100 km/h."""
     braking_mps2: Positive = 1.5
@@ -43,15 +43,15 @@ class DriverModel(Strict, frozen=True, kw_only=True):
     traffic_density: Share = 0.15
     """0 an empty road, 1 a crowded one: slow-downs and queues grow with it."""
     wait_start_s: NotNegative = 20.0
-    """Standing with the engine idling before the drive, and..."""
+    """Time of standing with the engine idling before the drive."""
     wait_end_s: NotNegative = 10.0
-    """...after it."""
+    """Time of standing with the engine idling after the drive."""
     reverse_mps: Positive = 2.0
     """Backwards not faster; judgement."""
     spin_probability: Share = 0.01
     """That the driven wheels spin at a launch; 0.2 on snow. Judgement."""
     lock_probability: Share = 0.01
-    """That they lock for a moment in a braking; 0.2 on snow. Judgement."""
+    """That wheels lock for a moment in a braking; 0.2 on snow. Judgement."""
 
 
 def drawn(driver: DriverModel, random: np.random.Generator) -> DriverModel:

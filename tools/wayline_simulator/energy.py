@@ -16,7 +16,7 @@ class EnergyBalance(NamedTuple):
     crankshaft_j: float
     """Work of the crankshaft, negative on the overrun."""
     drive_j: float
-    """What of it reached the road: less driveline, slipping clutch and tyres' slip."""
+    """Work that reached the road: less driveline, slipping clutch and tyres' slip."""
     brake_j: float
     resistance_j: float
     kinetic_j: float

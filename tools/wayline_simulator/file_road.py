@@ -6,9 +6,8 @@ from wayline.line import Line
 from wayline_simulator.closing import Start
 from wayline_simulator.country_road import KMH, MAIN
 from wayline_simulator.course import STEP_M, Floats, Halt
-from wayline_simulator.line_course import LinePoints, SmoothLine, smooth_line
-from wayline_simulator.line_files import LineFile
-from wayline_simulator.road_plan import Plan, bare_plan
+from wayline_simulator.line_course import LineFile, LinePoints, SmoothLine, smooth_line
+from wayline_simulator.road_plan import RoadPlan, bare_plan
 from wayline_simulator.vertical_alignment import close_grade, rolling_grade
 
 DEFAULT_LIMIT_MPS = 50.0 * KMH
@@ -24,7 +23,7 @@ def plan_along(
     random: np.random.Generator,
     *,
     loop: bool,
-) -> tuple[Plan, Start]:
+) -> tuple[RoadPlan, Start]:
     """The plan of a file's road and where it begins; `start` gives the altitude if it has none.
 
     Raises InputError, naming `where`, for a line that cannot be driven.

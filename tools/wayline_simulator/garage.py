@@ -8,7 +8,7 @@ import numpy as np
 from wayline_simulator.alignment import Bend, Element, sample, straight
 from wayline_simulator.country_road import KMH
 from wayline_simulator.course import STEP_M, Floats, Halt, Surroundings
-from wayline_simulator.road_plan import Plan
+from wayline_simulator.road_plan import RoadPlan
 from wayline_simulator.vertical_alignment import Relief, join_grades
 
 STREET_MPS = 50.0 * KMH
@@ -47,7 +47,7 @@ class Part(NamedTuple):
     backwards: bool = False
 
 
-def garage_road(random: np.random.Generator) -> Plan:
+def garage_road(random: np.random.Generator) -> RoadPlan:
     """A kilometre of street, some eight minutes in the garage, and another kilometre."""
     arriving = [
         Part(_street(random), STREET_MPS, under_roof=False),
@@ -71,7 +71,7 @@ def garage_road(random: np.random.Generator) -> Plan:
     return _join(arriving, parking, leaving)
 
 
-def _join(arriving: list[Part], parking: list[Part], leaving: list[Part]) -> Plan:
+def _join(arriving: list[Part], parking: list[Part], leaving: list[Part]) -> RoadPlan:
     parts = [*arriving, *parking, *leaving]
     curvatures = [sample(part.elements) for part in parts]
     ends = np.cumsum([len(curvature) - 1 for curvature in curvatures])
@@ -86,7 +86,7 @@ def _join(arriving: list[Part], parking: list[Part], leaving: list[Part]) -> Pla
     _open_doors(surroundings)
     turn, park = (float(ends[len(arriving) + at] * STEP_M) for at in (-1, 0))
     out_m = float(ends[-2]) * STEP_M
-    return Plan(
+    return RoadPlan(
         # a part's last sample is the next one's first
         curvature_per_m=np.concatenate(
             [*(curvature[:-1] for curvature in curvatures[:-1]), curvatures[-1]]

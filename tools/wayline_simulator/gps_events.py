@@ -1,10 +1,10 @@
-"""What befalls a receiver by schedule."""
+"""Pure: what befalls a receiver by schedule."""
 
 from typing import Annotated
 
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 
 NotNegative = Annotated[float, Meta(ge=0.0)]
 Positive = Annotated[float, Meta(gt=0.0)]
@@ -19,7 +19,7 @@ class Outage(Strict, frozen=True, kw_only=True):
     """Comes again this often until the end of the drive."""
 
 
-class Displacement(Strict, frozen=True, kw_only=True):
+class DisplacedFixes(Strict, frozen=True, kw_only=True):
     """`[[events.displacements]]`: fixes that agree with each other and are all wrong."""
 
     start_s: NotNegative
@@ -34,4 +34,4 @@ class GpsEvents(Strict, frozen=True, kw_only=True):
     """`[events]`; seconds count from the start of the drive."""
 
     outages: tuple[Outage, ...] = ()
-    displacements: tuple[Displacement, ...] = ()
+    displacements: tuple[DisplacedFixes, ...] = ()

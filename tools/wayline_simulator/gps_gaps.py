@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wayline_simulator.gps_errors import decays, drawn_at
-from wayline_simulator.gps_events import Displacement, Outage
+from wayline_simulator.gps_events import DisplacedFixes, Outage
 from wayline_simulator.journey import Floats
 
 Flags = NDArray[np.bool_]
@@ -24,7 +24,7 @@ class Awakenings(NamedTuple):
     """0 to 1, by the length of the blindness."""
 
 
-def scheduled(times_s: Floats, event: Outage | Displacement) -> Flags:
+def scheduled(times_s: Floats, event: Outage | DisplacedFixes) -> Flags:
     """Whether an event lasts at these seconds from the start of the drive."""
     since_s = times_s - event.start_s
     if event.every_s is not None:

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.constellation import System
 
 Positive = Annotated[float, Meta(gt=0.0)]
@@ -47,9 +47,9 @@ class GpsModel(Strict, frozen=True, kw_only=True):
     """Doppler, per horizontal axis; speed and course are both made of it. Data sheet of u-blox M8:
     0.05 m/s in half of the cases; css-164: 0.04 by third differences of its speed."""
     velocity_rest_std_mps: NotNegative = 0.012
-    """The same at rest: css-164's median speed while standing is 0.010 to 0.014 m/s."""
+    """Doppler at rest, per horizontal axis: css-164's median speed is then 0.010 to 0.014 m/s."""
     course_min_mps: NotNegative = 0.5
-    """Slower, the receiver knows no course; Munich's is blank below 1 to 2 km/h."""
+    """At lower speeds the receiver knows no course; Munich's is blank below 1 to 2 km/h."""
     course_at_rest: Literal["blank", "held"] = "blank"
     """css-164's holds its last one."""
     latency_s: NotNegative = 0.0
@@ -71,13 +71,13 @@ class GpsModel(Strict, frozen=True, kw_only=True):
     """Std of the position error that a cold start begins with; altitude three times as bad.
     css-164: altitude off by 72 m, its receiver reports stds of 36 and 92 m."""
     first_error_time_s: Positive = 12.0
-    """In which it falls to a third (css-164)."""
+    """Time in which a cold start's error falls to a third (css-164)."""
     reacquire_s: NotNegative = 1.5
-    """After the sky is seen again, on average; data sheet of u-blox M8: 1 s."""
+    """Time to a fix after the sky is seen again, on average; data sheet of u-blox M8: 1 s."""
     reacquire_error_m: NotNegative = 4.0
     """Std of what the first fix after a long blindness has on top. A judgement."""
     reacquire_error_time_s: Positive = 5.0
-    """In which it falls to a third. A judgement."""
+    """Time in which the error after a long blindness falls to a third. A judgement."""
     reported_std_factor: Positive = 1.0
     """The stds in GST are the true ones times this."""
     reflection_std_m: NotNegative = 30.0

@@ -5,7 +5,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.journey import Floats, Journey
 from wayline_simulator.noise import gauss_markov, in_steps
 from wayline_simulator.sampling import frame_times, instants

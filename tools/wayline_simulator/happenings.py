@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.gps_events import GpsEvents
 from wayline_simulator.gps_gaps import scheduled
 from wayline_simulator.journey import MOTION_STEP_S, Floats, Journey
@@ -90,7 +90,7 @@ def _spans(flags: NDArray[np.bool_], times_s: Floats, start_s: float) -> tuple[S
 
 
 def _slip(journey: Journey, rolled_mps: Floats, slipping: NDArray[np.bool_]) -> tuple[float, float]:
-    """Std and correlation time; the latter is the area under the autocorrelation."""
+    """Std and correlation time, which is the area under the autocorrelation."""
     level_mps = np.abs(journey.at(journey.motion.times_s).speeds_mps)
     size = round(WINDOW_S / MOTION_STEP_S)
     count = len(rolled_mps) // size

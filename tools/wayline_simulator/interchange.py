@@ -15,7 +15,7 @@ from wayline_simulator.alignment import (
 )
 from wayline_simulator.country_road import KMH, MAIN, MOTORWAY, furnish_country_road, winding
 from wayline_simulator.course import STEP_M, Floats, Halt, Surroundings
-from wayline_simulator.road_plan import Plan, bare_plan
+from wayline_simulator.road_plan import RoadPlan, bare_plan
 from wayline_simulator.vertical_alignment import Relief, join_grades, rolling_grade
 
 HEADROOM_M = 6.5
@@ -41,7 +41,7 @@ class Ramp(NamedTuple):
     """One more than changes."""
 
 
-def motorway(length_m: float, random: np.random.Generator) -> Plan:
+def motorway(length_m: float, random: np.random.Generator) -> RoadPlan:
     """From a street over the motorway, down a loop onto it and along, and off to a light."""
     entry, leaving = _on_ramp(), _off_ramp()
     between_m = length_m - length_of(entry.elements) - length_of(leaving.elements)
@@ -63,7 +63,7 @@ def motorway(length_m: float, random: np.random.Generator) -> Plan:
     return plan
 
 
-def figure_of_eight(length_m: float, random: np.random.Generator) -> Plan:
+def figure_of_eight(length_m: float, random: np.random.Generator) -> RoadPlan:
     """A main road in a loop that crosses itself on a bridge, the first pass above."""
     wide, high = EIGHT_SHAPE
     shape = np.array([[-wide, -high], [wide, high], [wide, -high], [-wide, high]])
@@ -123,7 +123,7 @@ def _off_ramp() -> Ramp:
     return Ramp(elements, [end_m - 260.0, end_m], [0.0, HEADROOM_M / 260.0, 0.0])
 
 
-def _build_ramps(plan: Plan, entry: Ramp, leaving: Ramp) -> None:
+def _build_ramps(plan: RoadPlan, entry: Ramp, leaving: Ramp) -> None:
     """Limits, the light and the bridge; no other bridge stands on a ramp."""
     joined_m = length_of(entry.elements) - 400.0
     left_m = plan.length_m - length_of(leaving.elements) + 300.0

@@ -36,7 +36,7 @@ class Motion:
     clutch: NDArray[np.bool_]
     """True: the driveline is open."""
     drive_force_n: Floats
-    """At the tyres' contact, from here to the next sample; so are the two below."""
+    """Driving force at the tyres' contact, from here to the next sample."""
     brake_force_n: Floats
     """>= 0, against the motion."""
     resistance_n: Floats

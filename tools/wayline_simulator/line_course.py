@@ -9,6 +9,7 @@ from pyproj import Proj
 
 from wayline.errors import InputError
 from wayline.line import Line
+from wayline.stops import Stop
 from wayline_simulator.closing import Start
 from wayline_simulator.course import STEP_M, Floats
 from wayline_simulator.plane_curve import (
@@ -31,6 +32,14 @@ class LinePoints(NamedTuple):
     lons_deg: Floats
     alts_m: Floats | None
     speeds_mps: Floats | None
+
+
+class LineFile(NamedTuple):
+    """What a file tells of a road."""
+
+    points: LinePoints
+    stops: tuple[Stop, ...]
+    loop: bool
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,29 +2,20 @@
 
 import csv
 from pathlib import Path
-from typing import NamedTuple
 from xml.etree import ElementTree as XmlTree
 
 import msgspec
 import numpy as np
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.geojson import Feature, read_features
-from wayline.route import Route, load_route
-from wayline.stops import Stop
+from wayline.route import Route
+from wayline.route_file import load_route
 from wayline_simulator.course import Floats
-from wayline_simulator.line_course import LinePoints
+from wayline_simulator.line_course import LineFile, LinePoints
 
 MEND = "name a GeoJSON route, a GPX track or the folder of a drive with truth or route"
-
-
-class LineFile(NamedTuple):
-    """What a file tells of a road."""
-
-    points: LinePoints
-    stops: tuple[Stop, ...]
-    loop: bool
 
 
 def read_line(path: Path) -> LineFile:

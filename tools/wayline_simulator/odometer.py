@@ -7,7 +7,7 @@ from msgspec import Meta
 from numpy.typing import NDArray
 
 from wayline.drive import Vehicle
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.course import STEP_M
 from wayline_simulator.journey import MOTION_STEP_S, Floats, Journey
 from wayline_simulator.noise import gauss_markov, in_steps

@@ -26,9 +26,9 @@ SMOOTH_M = 4.0
 AGAIN_M = 2.0
 """Std of each that follows."""
 ROUNDS = 400
-"""Of more smoothing; a right angle needs 10 or so, a hairpin of parallel legs a hundred."""
+"""Rounds of more smoothing; a right angle needs 10 or so, a hairpin of parallel legs a hundred."""
 PAD_M = 300.0
-"""Of a loop's line that is repeated before and behind, so that both its ends see the same."""
+"""So much of a loop's line is repeated before and behind, so that both its ends see one curve."""
 
 
 class Knots(NamedTuple):

@@ -30,7 +30,7 @@ class Clutch(Enum):
     """What the driveline does."""
 
     OPEN = 0
-    """Or slipping, when torque is wanted."""
+    """The clutch is open, or slips when torque is wanted."""
     CLOSED = 1
     RELEASING = 2
     """Closed, torque going down before a shift."""

@@ -1,6 +1,6 @@
-"""Sets of sensors by name, each as some kind of vehicle has them."""
+"""Pure: sets of sensors by name, each as some kind of vehicle has them."""
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.barometer import BarometerModel
 from wayline_simulator.gps import GpsModel
 from wayline_simulator.gyro import GyroModel

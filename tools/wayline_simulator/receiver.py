@@ -73,7 +73,7 @@ class Sky:
             yield f"{talker}GSA,A,{epoch.mode},{slots},{dilutions}{end}"
 
     def gsv(self, epoch: Epoch) -> list[str]:
-        """All above the horizon, as the receiver's almanac has them."""
+        """GSV sentences of all satellites above the horizon, as the receiver's almanac has them."""
         if epoch.row != self._row:
             self._row = epoch.row
             self._in_view = [

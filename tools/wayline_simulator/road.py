@@ -1,13 +1,10 @@
-"""`[road]` of a scenario, and the course that it describes: one lap, the same for every run."""
+"""Makes the course that a scenario's `[road]` describes: one lap, the same for every run."""
 
 from pathlib import Path
-from typing import Annotated, Literal
 
 import numpy as np
-from msgspec import Meta
 
 from wayline.errors import InputError
-from wayline.toml import Strict
 from wayline_simulator.closing import Start
 from wayline_simulator.country_road import HILLS, MAIN, MOTORWAY, country_loop, open_country_road
 from wayline_simulator.course import Course, Surroundings
@@ -15,8 +12,9 @@ from wayline_simulator.file_road import plan_along
 from wayline_simulator.garage import garage_road
 from wayline_simulator.interchange import figure_of_eight, motorway
 from wayline_simulator.line_files import read_line
+from wayline_simulator.road_model import RoadModel
 from wayline_simulator.road_plan import (
-    Plan,
+    RoadPlan,
     Stretch,
     dig,
     lay_plan,
@@ -24,9 +22,6 @@ from wayline_simulator.road_plan import (
     some_tunnels,
 )
 from wayline_simulator.town import town_loop, town_road
-
-Kind = Literal["motorway", "main", "urban", "hills", "eight", "garage", "file"]
-Positive = Annotated[float, Meta(gt=0.0)]
 
 ROAD_STREAM = 1
 """Tells the road's randomness from that of the driver and the sensors of the same seed."""
@@ -45,42 +40,11 @@ LEAST_LENGTHS_M = {
     "hills": 4_000.0,
     "eight": 1_500.0,
 }
-"""So that a motorway has its ramps and a loop room for its bends."""
+"""Lengths that a motorway needs for its ramps and a loop for its bends."""
 TUNNELS_M = {"motorway": MOTORWAY.tunnels_m, "urban": (120.0, 450.0)}
 
 GENTLER = ("main", "hills", "urban")
-"""The others cross themselves, and must keep their heights."""
-
-
-class RoadModel(Strict, frozen=True, kw_only=True):
-    """`[road]`"""
-
-    kind: Kind = "main"
-    length_m: Positive | None = None
-    """Of one lap; default by kind. A garage and a file have their own."""
-    loop: bool | None = None
-    """Default: hills and eight (which always are), and a file that says so."""
-    laps: Annotated[int, Meta(ge=1)] = 1
-    """How often a loop is driven."""
-    lat_deg: Annotated[float, Meta(ge=-80.0, le=80.0)] = 59.2
-    """South-west of Stockholm, where papers/004 was driven."""
-    lon_deg: Annotated[float, Meta(ge=-180.0, le=180.0)] = 17.6
-    heading_deg: float = 70.0
-    alt_m: float = 60.0
-    path: str | None = None
-    """Of kind `file`: GeoJSON, GPX, truth.csv or the folder of a drive."""
-    limit_mps: Positive | None = None
-    """Of kind `file` without planned speeds; default 50 km/h."""
-    relief: Annotated[float, Meta(gt=0.0, le=1.0)] = 1.0
-    """Of kinds `main`, `hills` and `urban`: grades as a share of what such a road may have."""
-    open_sky: bool = False
-    """Neither trees nor houses by the road."""
-    tunnels: int | tuple[Stretch, ...] = 0
-    """How many, or where."""
-    canyons: tuple[Stretch, ...] = ()
-    """Stretches between high buildings."""
-    stops: Annotated[int, Meta(ge=0)] = 0
-    """Bus stops, about evenly spread; a route's own come besides."""
+"""Kinds whose relief may be less; a road of any other kind crosses itself and keeps its heights."""
 
 
 def make_course(road: RoadModel, seed: int, folder: Path = Path()) -> Course:
@@ -122,7 +86,7 @@ def _check(road: RoadModel) -> None:
         raise InputError("road.length_m", what, f"give {least_m:g} or more")
 
 
-def _plan(road: RoadModel, random: np.random.Generator) -> Plan:
+def _plan(road: RoadModel, random: np.random.Generator) -> RoadPlan:
     """A road that is made up."""
     if road.kind == "garage":
         return garage_road(random)
@@ -138,7 +102,7 @@ def _plan(road: RoadModel, random: np.random.Generator) -> Plan:
     return (country_loop if loop else open_country_road)(design, length_m, random)
 
 
-def _furnish(plan: Plan, road: RoadModel, random: np.random.Generator) -> None:
+def _furnish(plan: RoadPlan, road: RoadModel, random: np.random.Generator) -> None:
     """Stops, canyons and tunnels."""
     place_stops(plan, road.stops, random)
     for canyon in road.canyons:
@@ -153,7 +117,7 @@ def _furnish(plan: Plan, road: RoadModel, random: np.random.Generator) -> None:
     dig(plan, tunnels)
 
 
-def _check_stretch(where: str, stretch: Stretch, plan: Plan) -> None:
+def _check_stretch(where: str, stretch: Stretch, plan: RoadPlan) -> None:
     end_m = stretch.start_m + stretch.length_m
     if end_m > plan.length_m:
         what = f"ends at {end_m:.0f} m of a road of {plan.length_m:.0f} m"

@@ -8,7 +8,7 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.closing import Start, close_curvature
 from wayline_simulator.course import STEP_M, Course, Floats, Halt, Surroundings, lay_course
 
@@ -29,7 +29,7 @@ class Stretch(Strict, frozen=True, kw_only=True):
 
 
 @dataclass
-class Plan:
+class RoadPlan:
     """Samples every STEP_M, shape (n,), that those who furnish the road fill in."""
 
     curvature_per_m: Floats
@@ -52,10 +52,10 @@ class Plan:
 
 def bare_plan(
     curvature_per_m: Floats, grade: Floats, limit_mps: float, *, loop: bool = False
-) -> Plan:
+) -> RoadPlan:
     """A road under open sky with one limit."""
     count = len(curvature_per_m)
-    return Plan(
+    return RoadPlan(
         curvature_per_m=curvature_per_m,
         grade=grade,
         limits_mps=np.full(count, limit_mps),
@@ -64,7 +64,7 @@ def bare_plan(
     )
 
 
-def lay_plan(plan: Plan, start: Start) -> Course:
+def lay_plan(plan: RoadPlan, start: Start) -> Course:
     """The course of a plan; a loop is closed."""
     curvature = plan.curvature_per_m
     return lay_course(
@@ -80,7 +80,7 @@ def lay_plan(plan: Plan, start: Start) -> Course:
 
 
 def line_with(
-    plan: Plan,
+    plan: RoadPlan,
     kinds: Sequence[Surroundings],
     shares: Sequence[float],
     lengths_m: tuple[float, float],
@@ -95,14 +95,14 @@ def line_with(
     plan.surroundings[-1] = plan.surroundings[-2]
 
 
-def cross_bridges(plan: Plan, spacing_m: float, random: np.random.Generator) -> None:
+def cross_bridges(plan: RoadPlan, spacing_m: float, random: np.random.Generator) -> None:
     """Lead other roads over this one, so far apart on average."""
     places_m = random.uniform(200.0, plan.length_m - 200.0, round(plan.length_m / spacing_m))
     for place_m in places_m:
         plan.surroundings[plan.within(place_m, random.uniform(*BRIDGE_M))] = Surroundings.BRIDGE
 
 
-def dig(plan: Plan, tunnels: Iterable[Stretch]) -> None:
+def dig(plan: RoadPlan, tunnels: Iterable[Stretch]) -> None:
     """Lead the road through tunnels, in which nobody has to wait."""
     for tunnel in tunnels:
         plan.surroundings[plan.within(tunnel.start_m, tunnel.length_m)] = Surroundings.TUNNEL
@@ -127,7 +127,7 @@ def some_tunnels(
     return tunnels
 
 
-def place_stops(plan: Plan, count: int, random: np.random.Generator) -> None:
+def place_stops(plan: RoadPlan, count: int, random: np.random.Generator) -> None:
     """Bus stops about evenly along the road; a light that one would stand in goes."""
     part_m = plan.length_m / max(count, 1)
     for number in range(count):

@@ -14,7 +14,7 @@ from wayline_simulator.foot import Foot
 from wayline_simulator.journey import MOTION_STEP_S
 from wayline_simulator.powertrain import Clutch, Powertrain
 from wayline_simulator.road_load import RoadLoad
-from wayline_simulator.traffic import Stop
+from wayline_simulator.traffic import Standstill
 from wayline_simulator.vehicle import VehicleModel, rigid_mass_kg
 
 ARRIVED_M = 1e-3
@@ -69,7 +69,7 @@ class Rollout:
         row = (self._path_m, 0.0, 0.0, idle_rpm, 0.0, float(not parked), 1.0, 0.0, hold_n, 0.0)
         self._rows.extend(row * max(round(wait_s / MOTION_STEP_S), 1))
 
-    def go_to(self, stop: Stop) -> None:
+    def go_to(self, stop: Standstill) -> None:
         """From rest to rest at a stop."""
         ahead = self._backwards[min(round(self._path_m / STEP_M), self._last)]
         self._powertrain.launch(backwards=bool(ahead))

@@ -1,7 +1,6 @@
-"""What is simulated: one TOML file of road, driver, vehicle, sensors and what befalls them."""
+"""Pure: what is simulated: road, driver, vehicle, sensors and what befalls them."""
 
 import datetime as dt
-from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
 import msgspec
@@ -9,16 +8,15 @@ from msgspec import Meta
 
 from wayline.drive import VehicleId
 from wayline.errors import InputError
-from wayline.toml import Strict, fitted, read_toml
+from wayline.strict import Strict, fitted
 from wayline_simulator.damage import Damage
 from wayline_simulator.driver import DriverModel
 from wayline_simulator.gps_events import GpsEvents
 from wayline_simulator.presets import PRESETS, Preset
-from wayline_simulator.road import RoadModel
+from wayline_simulator.road_model import RoadModel
 from wayline_simulator.vehicle import VEHICLES, VehicleModel
 from wayline_simulator.weather import Weather
 
-SHIPPED = Path(__file__).with_name("scenarios")
 SensorName = Literal["gps", "gyro", "odometer", "torque", "barometer"]
 SENSORS: tuple[SensorName, ...] = ("gps", "gyro", "odometer", "torque", "barometer")
 Overlay = dict[str, Any]
@@ -79,26 +77,6 @@ class Scenario(Strict, frozen=True, kw_only=True):
             return None
         tables = msgspec.to_builtins(model) | overlay
         return fitted(tables, type(model), f"scenario [{name}]")
-
-
-def shipped_scenarios() -> dict[str, str]:
-    """Names and descriptions of the scenarios that come with Wayline."""
-    return {
-        path.stem: load_scenario(path.stem).description for path in sorted(SHIPPED.glob("*.toml"))
-    }
-
-
-def load_scenario(name: str) -> Scenario:
-    """A shipped scenario by name, or one of the user's by path. Raises InputError."""
-    path = SHIPPED / f"{name}.toml"
-    if not path.is_file():
-        path = Path(name)
-        if not path.suffix:
-            names = ", ".join(sorted(file.stem for file in SHIPPED.glob("*.toml")))
-            raise InputError("--scenario", f"{name} is not known", f"give a file or {names}")
-    scenario = fitted(read_toml(path), Scenario, str(path))
-    check(scenario, str(path))
-    return scenario
 
 
 def overlaid(scenario: Scenario, asked: Overlay) -> Scenario:

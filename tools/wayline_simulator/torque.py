@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wayline.drive import Vehicle
 from wayline.errors import InputError
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.journey import Floats, Journey
 from wayline_simulator.noise import gauss_markov, in_steps
 from wayline_simulator.sampling import frame_times, instants, motion_steps

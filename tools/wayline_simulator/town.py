@@ -16,7 +16,7 @@ from wayline_simulator.alignment import (
 )
 from wayline_simulator.country_road import KMH
 from wayline_simulator.course import Floats, Halt, Surroundings
-from wayline_simulator.road_plan import Plan, bare_plan, line_with
+from wayline_simulator.road_plan import RoadPlan, bare_plan, line_with
 from wayline_simulator.vertical_alignment import Relief, rolling_grade
 
 BLOCK_M = (70.0, 260.0)
@@ -29,7 +29,7 @@ ROUNDABOUT_SHARE = 0.12
 """Of the straights that are long enough."""
 ROUNDABOUT_RAD = math.radians(40.0)
 ROUNDABOUT_RADIUS_M = 15.0
-"""Of the path round a single-lane one with 30 m of outer diameter, and into and out of it."""
+"""Of the path into, round and out of a single-lane roundabout with 30 m of outer diameter."""
 LIGHT_M = (180.0, 450.0)
 LIGHT_S = 45.0
 LIMITS_MPS = (30.0 * KMH, 40.0 * KMH, 50.0 * KMH)
@@ -47,15 +47,15 @@ RELIEF = Relief(0.05, 0.45, 120.0, 350.0, 700.0, 1300.0, 15.0)
 """5 %; AASHTO's K at 50 km/h is 7 and 13 m/%."""
 
 
-def town_road(length_m: float, random: np.random.Generator) -> Plan:
-    """Through a town from one end to the other."""
+def town_road(length_m: float, random: np.random.Generator) -> RoadPlan:
+    """A road through a town from one end to the other."""
     curvature = sample(_with_roundabouts(_blocks(length_m, random), random))
     plan = bare_plan(curvature, rolling_grade(len(curvature), RELIEF, random), LIMITS_MPS[-1])
     _furnish(plan, random)
     return plan
 
 
-def town_loop(length_m: float, random: np.random.Generator) -> Plan:
+def town_loop(length_m: float, random: np.random.Generator) -> RoadPlan:
     """Round through a town along its grid and back."""
     shape = _skyline(length_m, random)
     legs_m, _ = legs_and_turns(shape)
@@ -139,7 +139,7 @@ def _with_roundabouts(elements: Sequence[Element], random: np.random.Generator) 
     return built
 
 
-def _furnish(plan: Plan, random: np.random.Generator) -> None:
+def _furnish(plan: RoadPlan, random: np.random.Generator) -> None:
     """Limits, houses and lights."""
     place_m = 0.0
     while place_m < plan.length_m:

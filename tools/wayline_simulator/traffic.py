@@ -31,7 +31,7 @@ QUEUE_HALT_S = (2.0, 12.0)
 SHORTEST_S = 1.0
 
 
-class Stop(NamedTuple):
+class Standstill(NamedTuple):
     """Where the vehicle will stand on this run."""
 
     distance_m: float
@@ -73,48 +73,48 @@ def flow_share(course: Course, driver: DriverModel, random: np.random.Generator)
 
 def planned_stops(
     course: Course, driver: DriverModel, jams: list[Queue], random: np.random.Generator
-) -> list[Stop]:
+) -> list[Standstill]:
     """All stops of this run in order of distance, the course's end last."""
     halts = [stop for halt in course.halts if (stop := _stop(halt, driver, random))]
     turns = [
-        Stop(float(course.distances_m[at]), TURN_S)
+        Standstill(float(course.distances_m[at]), TURN_S)
         for at in np.flatnonzero(course.backwards[1:-1] != course.backwards[:-2]) + 1
     ]
     jammed = [stop for jam in jams for stop in _queue_stops(jam, random)]
     # where stops are one, a turn's exact place counts: so turns come first
-    stops = [Stop(course.length_m, driver.wait_end_s, parked=True)]
+    stops = [Standstill(course.length_m, driver.wait_end_s, parked=True)]
     for stop in (*turns, *halts, *jammed):
         _merge(stops, stop)
     return sorted(stops)
 
 
-def _merge(stops: list[Stop], stop: Stop) -> None:
+def _merge(stops: list[Standstill], stop: Standstill) -> None:
     if stop.distance_m < MERGE_M:
         return
     for place, other in enumerate(stops):
         if abs(other.distance_m - stop.distance_m) < MERGE_M:
             longer, parked = max(other.wait_s, stop.wait_s), other.parked or stop.parked
-            stops[place] = Stop(other.distance_m, longer, parked)
+            stops[place] = Standstill(other.distance_m, longer, parked)
             return
     stops.append(stop)
 
 
-def _stop(halt: Halt, driver: DriverModel, random: np.random.Generator) -> Stop | None:
+def _stop(halt: Halt, driver: DriverModel, random: np.random.Generator) -> Standstill | None:
     """What a halt is on this run; the same count of random numbers whatever comes out."""
     chance, part, spread = random.random(), random.random(), random.standard_normal()
     if halt.kind == "light":
         red = chance < driver.red_probability
-        return Stop(halt.distance_m, max(part * halt.dwell_s, SHORTEST_S)) if red else None
+        return Standstill(halt.distance_m, max(part * halt.dwell_s, SHORTEST_S)) if red else None
     if halt.kind == "turn":
-        return Stop(halt.distance_m, TURN_S)
+        return Standstill(halt.distance_m, TURN_S)
     dwell_s = halt.dwell_s * float(np.exp(driver.dwell_spread * spread))
-    return Stop(halt.distance_m, max(dwell_s, SHORTEST_S), parked=halt.kind == "park")
+    return Standstill(halt.distance_m, max(dwell_s, SHORTEST_S), parked=halt.kind == "park")
 
 
-def _queue_stops(queue: Queue, random: np.random.Generator) -> list[Stop]:
+def _queue_stops(queue: Queue, random: np.random.Generator) -> list[Standstill]:
     count = random.poisson((queue.end_m - queue.start_m) / QUEUE_HALT_EVERY_M)
     places_m = random.uniform(queue.start_m, queue.end_m, count)
-    return [Stop(float(place_m), random.uniform(*QUEUE_HALT_S)) for place_m in places_m]
+    return [Standstill(float(place_m), random.uniform(*QUEUE_HALT_S)) for place_m in places_m]
 
 
 def _wander(count: int, length_m: float, random: np.random.Generator) -> Floats:

@@ -6,7 +6,7 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.journey import MOTION_STEP_S, Floats
 
 Positive = Annotated[float, Meta(gt=0.0)]

@@ -5,7 +5,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from wayline.drive import Vehicle
-from wayline.toml import Strict
+from wayline.strict import Strict
 from wayline_simulator.drive_train import EngineModel, GearboxModel
 from wayline_simulator.tyres import TyreModel
 

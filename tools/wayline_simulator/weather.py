@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
-from wayline.toml import Strict
+from wayline.strict import Strict
 
 NotNegative = Annotated[float, Meta(ge=0.0)]
 LOWEST_PA, HIGHEST_PA = 95_000.0, 105_500.0

@@ -3,10 +3,10 @@
 from argparse import Namespace
 from collections.abc import Callable
 
-from wayline.arrival import source_names
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.http import Healthz
 from wayline.node import Node
+from wayline.received import source_names
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import main as run_shell
@@ -36,7 +36,13 @@ def build(settings: Settings, options: Namespace) -> Service:
         where = str(options.drive)
         played = playback(NAME, settings, options, lambda: recordings(drive, where))
         app = plain_app(NAME, settings)
-        return Service(NAME, feeds=[played], make_app=app, bad_input=lambda: played.bad_input)
+        return Service(
+            NAME,
+            feeds=[played],
+            make_app=app,
+            bad_input=lambda: played.bad_input,
+            is_recorded=True,
+        )
     return live(settings)
 
 

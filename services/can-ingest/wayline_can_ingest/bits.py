@@ -21,7 +21,7 @@ class BitField(NamedTuple):
     """Little endian: from the frame's lowest bit; big endian: bits up to the signal's end."""
     mask: int
     sign: int
-    """Its highest bit where it is signed, else 0."""
+    """The signal's highest bit where it is signed, else 0."""
     least_bytes: int
     """A shorter frame does not hold it."""
     missing_from: int

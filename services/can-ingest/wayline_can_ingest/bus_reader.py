@@ -11,7 +11,7 @@ import can
 import msgspec
 
 from wayline.inputs import Frame
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.frames import BUS_OFF, FrameReader
 from wayline_can_ingest.obd2_poll import Obd2Poll
 from wayline_can_ingest.wanted import Wanted
@@ -20,10 +20,11 @@ READ_S = 0.2
 SILENT_S = 5.0
 """A bus on which nothing is heard for so long is opened anew: its adapter may have restarted."""
 ERROR_S = 0.5
-"""The same after an error: a socket whose interface is gone raises once and is deaf for ever."""
+"""A bus that is silent for so long after an error is opened anew: a socket whose interface is gone
+raises once and is deaf for ever."""
 SEND_S = 0.1
 BUS_OFF_S = 1.0
-"""The same after a bus-off, which most adapters leave only by being opened anew."""
+"""A bus is opened anew so long after a bus-off, which most adapters leave only in this way."""
 LOOK_S = 2.0
 """Without a mapped frame for so long the filters are taken off, to tell what the bus carries."""
 MOST_ERRORS = 10

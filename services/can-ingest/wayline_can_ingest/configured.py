@@ -6,7 +6,8 @@ from typing import Any
 
 from wayline.drive import CanMapping, Places, Vehicle
 from wayline.profile import profile_path
-from wayline.toml import Strict, load_toml
+from wayline.strict import Strict
+from wayline.toml import load_toml
 from wayline_can_ingest.dbc import load_database, load_databases
 from wayline_can_ingest.directory import Part
 from wayline_can_ingest.mapping import Mapping, compile_mapping

@@ -71,7 +71,7 @@ class CanIngestCore:
         broken = 0 if self._transport is None else self._transport.broken
         return self._steady.steps + broken
 
-    def arrival_ns(self, frame: Frame) -> int:
+    def received_ns(self, frame: Frame) -> int:
         """When a frame arrived, on the clock that the messages carry."""
         return frame.t_ns + (self._clock.offset_ns or 0)
 

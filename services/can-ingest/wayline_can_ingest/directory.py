@@ -29,9 +29,9 @@ class Known(NamedTuple):
 
 
 class Directory:
-    """Messages by name; of the same name in several parts the first one's.
+    """Messages by name; where several databases have one of a name, the first database's.
 
-    A name that one part has for several identifiers tells nothing: who maps it is refused.
+    A name that one database has for several identifiers tells nothing: who maps it is refused.
     """
 
     def __init__(self, parts: Sequence[Part]) -> None:
@@ -39,10 +39,11 @@ class Directory:
         self._messages: dict[str, Known] = {}
         self._namesakes: dict[str, list[DbcMessage]] = {}
         for part in parts:
-            named = _by_name(part)
-            for name in named.keys() - self._messages.keys():
-                self._messages[name] = Known(named[name][0], part.j1939)
-                self._namesakes[name] = named[name]
+            for database in part.databases:
+                for name, messages in _by_name(database).items():
+                    if name not in self._messages:
+                        self._messages[name] = Known(messages[0], part.j1939)
+                        self._namesakes[name] = messages
 
     def message(self, name: str, quantity: str) -> Known:
         """A message that a quantity names."""
@@ -50,8 +51,8 @@ class Directory:
             numbers = ", ".join(f"{each.frame_id:X}h" for each in self._namesakes[name])
             raise InputError(
                 self._where,
-                f'"{quantity}" names message {name}, of which the dbc has several ({numbers})',
-                "rename all but one of them in the dbc, or leave out the dbc that has the others",
+                f'"{quantity}" names message {name}, of which a dbc has several ({numbers})',
+                "rename all but one of them in the dbc",
             )
         if name in self._messages:
             return self._messages[name]
@@ -72,18 +73,15 @@ class Directory:
             )
 
 
-def _by_name(part: Part) -> dict[str, list[DbcMessage]]:
-    """Messages of each name; the same one in several databases counts once, the last of them."""
-    named: dict[str, dict[tuple[int, bool], DbcMessage]] = {}
-    for database in part.databases:
-        for message in database.messages:
-            key = message.frame_id, message.is_extended_frame
-            named.setdefault(message.name, {})[key] = message
-    return {name: list(messages.values()) for name, messages in named.items()}
+def _by_name(database: Database) -> dict[str, list[DbcMessage]]:
+    named: dict[str, list[DbcMessage]] = {}
+    for message in database.messages:
+        named.setdefault(message.name, []).append(message)
+    return named
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Names like this one, or some of those there are."""
+    """Known names like a misspelt one, or some of the known names where none is like it."""
     names = sorted(known)
     near = difflib.get_close_matches(name, names, n=3, cutoff=0.5) or names[:8]
     return f"did you mean {', '.join(near)}?" if near else "name a dbc that has it"

@@ -14,7 +14,7 @@ BUS_OFF_BIT, PASSIVE_BITS = 0x40, 0x30
 CONTROLLER_BIT = 0x04
 """CAN_ERR_CRTL: byte 1 tells the controller's state."""
 HOST_CLOCK_NS = 10_000_000
-"""Stamps this close to their arrival are of this machine's own clock, and better than it."""
+"""Stamps this close to their receipt are of this machine's own clock, and better than it."""
 WINDOW_NS = 5_000_000_000
 """How long the fastest delivery stands for the distance of two clocks: 50 ppm drift 0.3 ms."""
 
@@ -33,7 +33,7 @@ class FrameReader:
         self.state: str | None = None
         """What the last error frame said of the controller, until a frame comes."""
 
-    def frame(self, message: object, arrival_ns: int) -> Frame | None:
+    def frame(self, message: object, received_ns: int) -> Frame | None:
         """The frame in a python-can message; None for an error, a remote frame or rubbish."""
         if not isinstance(message, can.Message):
             self.faults[MALFORMED] += 1
@@ -46,14 +46,14 @@ class FrameReader:
             self.faults[REMOTE] += 1
             return None
         self.state = None
-        return self._checked(message, arrival_ns)
+        return self._checked(message, received_ns)
 
-    def _checked(self, message: can.Message, arrival_ns: int) -> Frame | None:
+    def _checked(self, message: can.Message, received_ns: int) -> Frame | None:
         number, extended = message.arbitration_id, bool(message.is_extended_id)
         try:
             data = bytes(message.data)
             known = 0 <= number <= (0x1FFF_FFFF if extended else 0x7FF) and len(data) <= 64
-            t_ns = self._clock.t_ns(message.timestamp, arrival_ns)
+            t_ns = self._clock.t_ns(message.timestamp, received_ns)
         except (TypeError, ValueError):
             known = False
         if not known:
@@ -84,22 +84,22 @@ class AdapterClock:
         self._least_ns: int | None = None
         self._least_before_ns: int | None = None
 
-    def t_ns(self, timestamp_s: float, arrival_ns: int) -> int:
-        """When a frame was on the bus; its arrival where the stamp is no number."""
+    def t_ns(self, timestamp_s: float, received_ns: int) -> int:
+        """When a frame was on the bus; its receipt where the stamp is no number."""
         if not math.isfinite(timestamp_s):
-            return arrival_ns
+            return received_ns
         stamp_ns = round(timestamp_s * 1e6) * 1000
-        distance_ns = self._distance_ns(arrival_ns - stamp_ns, arrival_ns)
+        distance_ns = self._distance_ns(received_ns - stamp_ns, received_ns)
         if abs(distance_ns) < HOST_CLOCK_NS:
-            return min(stamp_ns, arrival_ns)
+            return min(stamp_ns, received_ns)
         return stamp_ns + distance_ns
 
-    def _distance_ns(self, delay_ns: int, arrival_ns: int) -> int:
+    def _distance_ns(self, delay_ns: int, received_ns: int) -> int:
         if self._least_ns is not None and delay_ns - self._least_ns > JUMP_NS:
             self._least_ns = None
-        if self._least_ns is None or not 0 <= arrival_ns - self._began_ns < WINDOW_NS:
+        if self._least_ns is None or not 0 <= received_ns - self._began_ns < WINDOW_NS:
             self._least_before_ns, self._least_ns = self._least_ns, delay_ns
-            self._began_ns = arrival_ns
+            self._began_ns = received_ns
         self._least_ns = min(self._least_ns, delay_ns)
         if self._least_before_ns is None:
             return self._least_ns

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 import msgspec
 
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.bus_condition import BusCondition
 from wayline_can_ingest.bus_reader import BusReader, Ear, OpenBus, open_bus
 from wayline_can_ingest.obd2_poll import Obd2Poll
@@ -51,7 +51,7 @@ class Interface:
 
     @property
     def condition(self) -> BusCondition:
-        """How it does now."""
+        """How the interface does now."""
         reader, ear = self._reader, self._ear
         now_s = time.monotonic()
 
@@ -76,7 +76,7 @@ class Interface:
 
     @property
     def detail(self) -> str:
-        """How it does, for `health`."""
+        """How the interface does, for `health`."""
         return self.condition.text
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:

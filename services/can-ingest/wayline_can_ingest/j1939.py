@@ -3,7 +3,7 @@
 ERROR_TOP = 0xFE
 """J1939-71 5.1.4: a top byte of FEh is "error", FFh "not available"."""
 LAST_COUNT_TOP = 0xFB
-"""The same: FBh on top is no value any more, so a counter begins again there."""
+"""J1939-71 5.1.4: a top byte beyond FBh is no value, so a counter begins again after it."""
 BROADCAST_FORMAT = 0xF0
 """J1939-21 5.2: from this PDU format on a message is for everybody."""
 

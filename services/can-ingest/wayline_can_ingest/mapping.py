@@ -133,7 +133,7 @@ class _Plans:
         return self._plans.setdefault((key, message), FramePlan(message, j1939=j1939))
 
     def mapping(self) -> Mapping:
-        """All of them, compiled."""
+        """The plans of all frames asked for, compiled."""
         plans: dict[FrameKey, tuple[FramePlan, ...]] = {}
         for (key, _), plan in self._plans.items():
             plan.compile()

@@ -83,7 +83,7 @@ class Ecu:
         return self.to_send()
 
     def hear(self, frame: Frame) -> bytes | None:
-        """Take a frame of it; the reply that it completes."""
+        """Take a frame of a reply; the reply where the frame completes it."""
         self._in.append(
             isotp.CanMessage(frame.arbitration_id, len(frame.data), frame.data, frame.extended)
         )

@@ -87,7 +87,7 @@ def _order(extractor: Extractor) -> tuple[bool, str, int]:
 
 
 def _narrowed(message: DbcMessage, signals: list[Signal]) -> DbcMessage:
-    """The same frame with fewer signals."""
+    """A message's frame with some of its signals only."""
     return DbcMessage(
         message.frame_id,
         message.name,

@@ -1,13 +1,16 @@
 """The buses of a recorded drive, as bus messages."""
 
-from wayline.arrival import Account, Recording, source_names, translated
 from wayline.can_log import CanLog
 from wayline.drive import CanSource, Drive, Vehicle
 from wayline.errors import InputError
+from wayline.received import Account, Recording, source_names, translated
 from wayline_can_ingest.configured import load_mapping
 from wayline_can_ingest.core import CanIngestCore
 from wayline_can_ingest.nothing import nothing_read
 from wayline_can_ingest.utc import DriveClock
+
+UNDATED_FROM_S = 946_684_800
+"""2000: where the times of a recording without a date begin that is a drive's only source."""
 
 
 def recordings(drive: Drive, where: str) -> list[Recording]:
@@ -55,14 +58,15 @@ def _bus(
 ) -> Recording:
     has_own = source.clock is not None or source.clock_offset_s != 0.0
     core = _core(source, vehicle, where, DriveClock.of(source) if has_own else told)
-    log = CanLog.of(source)
-    messages = translated(log, core.handle, name, lambda frame, _: core.arrival_ns(frame))
+    has_clock = has_own or told is not None
+    log = CanLog.of(source, undated_from_s=0 if has_clock else UNDATED_FROM_S)
+    messages = translated(log, core.handle, name, lambda frame, _: core.received_ns(frame))
 
     def account() -> Account:
         left_out = dict(log.left_out)
         if log.frames > core.mapped:
             left_out["not mapped"] = log.frames - core.mapped
-        return Account(left_out, _warnings(source, log))
+        return Account(left_out, _warnings(source, log, has_clock=has_clock))
 
     return Recording(
         name,
@@ -73,15 +77,14 @@ def _bus(
     )
 
 
-def _warnings(source: CanSource, log: CanLog) -> list[str]:
+def _warnings(source: CanSource, log: CanLog, *, has_clock: bool) -> list[str]:
     warnings = [str(problem) for problem in log.problems]
     if log.own:
         files = ", ".join(source.paths)
         warnings.append(f"{files}: {log.own:,} frames taken that the logger sent itself (Tx)")
-    if log.undated and source.clock is None and source.clock_offset_s == 0.0:
-        warnings.append(
-            f"{', '.join(map(str, log.undated))}: carries no date, times count from 1970"
-        )
+    if log.undated and not has_clock:
+        files = ", ".join(map(str, log.undated))
+        warnings.append(f"{files}: carries no date, its times count from the year 2000")
     return warnings
 
 

@@ -9,7 +9,7 @@ EARLIEST_S, LATEST_S = 946_684_800.0, 4_102_444_800.0
 
 
 class DriveClock:
-    """One for all buses of a drive; the clock signal of one of them sets it."""
+    """A clock for all buses of a drive; the clock signal of one bus sets it."""
 
     def __init__(self, offset_ns: int | None) -> None:
         self.offset_ns = offset_ns

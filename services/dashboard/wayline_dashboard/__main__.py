@@ -1,30 +1,25 @@
 """The dashboard process."""
 
-import time
 from argparse import Namespace
 
-from wayline.node import Node
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import load_routes
 from wayline.shell import main as run_shell
 from wayline_dashboard.app import create_dashboard
-from wayline_dashboard.core import DashboardCore
 from wayline_dashboard.live_view import LiveView
 
 NAME = "dashboard"
 
 
 def build(settings: Settings, options: Namespace) -> Service:
-    """The service as configured. The view model is fed as messages are heard."""
+    """The service as configured: a view, and no core."""
     del options
     routes = load_routes(settings)
-    live = LiveView(time.time_ns)
+    live = LiveView()
     return Service(
         NAME,
-        lambda vehicle_id, _: Node(NAME, DashboardCore(vehicle_id)),
-        DashboardCore.reads,
-        watch=live.put,
+        views=[live],
         watch_alive=live.put_service,
         make_app=lambda healthz, telemetry: create_dashboard(
             live,

@@ -2,21 +2,25 @@
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Annotated
 from urllib.parse import quote
 
 import msgspec
-from fastapi import FastAPI, WebSocket
-from prometheus_client import CollectorRegistry, Gauge
+from fastapi import FastAPI, Request, WebSocket
+from msgspec import Meta
+from prometheus_client import CollectorRegistry, Counter, Gauge
 from prometheus_client.core import CounterMetricFamily, Metric
 from prometheus_client.registry import Collector
 from starlette.exceptions import HTTPException
 from starlette.middleware.gzip import GZipMiddleware
 
-from wayline import __version__
+from wayline.drive import VehicleId
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, answers, create_app
+from wayline.http import Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
-from wayline.route import Route, route_features
+from wayline.parameters import describe_parameters, read_parameters
+from wayline.route import Route
+from wayline.route_file import route_features
 from wayline_dashboard.live_view import LiveView
 from wayline_dashboard.page import STATIC, add_page, is_page
 from wayline_dashboard.stream import stream
@@ -37,6 +41,15 @@ class RouteList(msgspec.Struct, frozen=True):
     routes: tuple[RouteLink, ...]
 
 
+class ViewParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """What a question for the view may say."""
+
+    vehicle_id: (
+        Annotated[VehicleId, Meta(description="The vehicle whose horizon and trail to add")]
+        | msgspec.UnsetType
+    ) = msgspec.UNSET
+
+
 def create_dashboard(
     live: LiveView,
     settings: HttpSettings,
@@ -51,11 +64,10 @@ def create_dashboard(
     Raises InputError for settings that would be too open.
     """
     registry = registry or CollectorRegistry()
-    app = create_app(
-        title="Wayline dashboard",
-        version=__version__,
-        healthz=healthz or _works,
-        settings=settings,
+    app = create_service_app(
+        "dashboard",
+        settings,
+        healthz=healthz,
         registry=registry,
         structs=(FleetView, RouteList, FeatureCollection),
         is_open=is_page,
@@ -68,23 +80,28 @@ def create_dashboard(
     return app
 
 
-def _works() -> Healthz:
-    return Healthz(ok=True, service="dashboard", version=__version__)
-
-
 def _add_view(app: FastAPI, live: LiveView, registry: CollectorRegistry) -> None:
     pages = Gauge("wayline_dashboard_pages", "Pages connected now", registry=registry)
+    refused = Counter("wayline_dashboard_refused", "Pages not understood", registry=registry)
     registry.register(InputCount(live))
 
-    @app.get("/v1/view", responses=answers(FleetView), tags=["view"])
-    def view() -> JsonAnswer:
-        """Everything known of every vehicle and service now."""
-        return JsonAnswer(live.snapshot())
+    @app.get(
+        "/v1/view",
+        responses=answers(FleetView),
+        openapi_extra=describe_parameters(ViewParameters),
+        tags=["view"],
+    )
+    def view(request: Request) -> JsonAnswer:
+        """What is known of every vehicle and service now; horizon and trail of one vehicle."""
+        asked = read_parameters(request.query_params, ViewParameters)
+        selected = None if asked.vehicle_id is msgspec.UNSET else asked.vehicle_id
+        return JsonAnswer(live.snapshot(selected))
 
     @app.websocket("/v1/live")
     async def live_view(websocket: WebSocket) -> None:
         with pages.track_inprogress():
-            await stream(websocket, live)
+            if await stream(websocket, live) is not None:
+                refused.inc()
 
 
 def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:

@@ -136,4 +136,5 @@ def service_view(service: str, up: bool, health: Health | None) -> ServiceView:
         lag_ms_p50=health.lag_ms_p50,
         lag_ms_p99=health.lag_ms_p99,
         detail=health.detail,
+        recorded=health.recorded,
     )

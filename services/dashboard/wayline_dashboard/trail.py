@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from itertools import islice
+from itertools import takewhile
 
 import msgspec
 
@@ -17,7 +17,7 @@ METRES_STALE_DEG = 0.1
 """Metres per degree of longitude change by 0.2 % over this much latitude, at 50 degrees."""
 
 
-class TrailPoint(msgspec.Struct, frozen=True):
+class TrailPoint(msgspec.Struct, frozen=True, gc=False):
     """A place that the vehicle passed, and what the estimate rested on there."""
 
     lat_deg: float
@@ -26,42 +26,42 @@ class TrailPoint(msgspec.Struct, frozen=True):
 
 
 class Trail:
-    """Points at least `SPACING_M` apart, numbered from 1; `count` is the newest one's number.
+    """Points at least `SPACING_M` apart, each with the revision it came with; revisions grow.
 
-    A reader that knows less than `start` has missed points that are no longer held, so it has to
-    take the trail anew; one that knows nothing (0) always has.
+    A reader that missed points that are no longer held has to take the trail anew, and so has
+    one that was told nothing.
     """
 
     def __init__(self) -> None:
-        self.count = 1
-        self._points: deque[TrailPoint] = deque(maxlen=POINTS_MAX)
+        self._points: deque[tuple[int, TrailPoint]] = deque(maxlen=POINTS_MAX)
+        self._lost_revision = 0
+        """Of the newest point that is no longer held."""
         self._metres_lat_deg = math.inf
         self._metres = (0.0, 0.0)
 
-    @property
-    def start(self) -> int:
-        """The number before the oldest point held."""
-        return self.count - len(self._points)
-
-    def clear(self) -> None:
+    def clear(self, revision: int) -> None:
         """Begin anew, so that every reader does too."""
         self._points.clear()
-        self.count += 1
+        self._lost_revision = revision
 
-    def add(self, pose: Pose) -> bool:
+    def add(self, pose: Pose, revision: int) -> None:
         """Keep a pose's position if it is far enough from the last one kept."""
         if pose.lat_deg is None or pose.lon_deg is None:
-            return False
-        if self._points and self._is_near(pose.lat_deg, pose.lon_deg, self._points[-1]):
-            return False
-        self._points.append(TrailPoint(pose.lat_deg, pose.lon_deg, pose.mode))
-        self.count += 1
-        return True
+            return
+        if self._points and self._is_near(pose.lat_deg, pose.lon_deg, self._points[-1][1]):
+            return
+        if len(self._points) == POINTS_MAX:
+            self._lost_revision = self._points[0][0]
+        self._points.append((revision, TrailPoint(pose.lat_deg, pose.lon_deg, pose.mode)))
 
-    def since(self, count: int) -> tuple[TrailPoint, ...]:
-        """The points kept after there had been `count` of them, as far as they are still held."""
-        fresh = min(self.count - count, len(self._points))
-        return tuple(islice(self._points, len(self._points) - fresh, None))
+    def since(self, known: int) -> tuple[TrailPoint, ...]:
+        """The points that came after a revision, as far as they are still held."""
+        newest_first = takewhile(lambda held: held[0] > known, reversed(self._points))
+        return tuple(point for _, point in newest_first)[::-1]
+
+    def is_missed(self, known: int) -> bool:
+        """Whether a reader that knows a revision missed points that are no longer held."""
+        return known < self._lost_revision
 
     def _is_near(self, lat_deg: float, lon_deg: float, last: TrailPoint) -> bool:
         # a geodesic for every pose would cost more than all the rest of the view

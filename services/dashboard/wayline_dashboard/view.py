@@ -7,6 +7,7 @@ from typing import Literal
 
 import msgspec
 
+from wayline.drive import VehicleId
 from wayline.messages import Calibration, FixKind, PoseMode
 from wayline_dashboard.ellipse import Ellipse
 from wayline_dashboard.trail import TrailPoint
@@ -123,6 +124,8 @@ class ServiceView(msgspec.Struct, frozen=True, kw_only=True):
     lag_ms_p50: float | None = None
     lag_ms_p99: float | None = None
     detail: str | None = None
+    recorded: bool = False
+    """What it puts on the bus is of a recording, so its times may be old."""
 
 
 class VehicleView(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -134,7 +137,7 @@ class VehicleView(msgspec.Struct, kw_only=True, omit_defaults=True):
 
     vehicle_id: str
     heard: str | None = None
-    """When the newest pose came in, by the server's clock; a recording's `t` is years before."""
+    """As long before the fleet's `now` as the pose is old; one of a recording ages from receipt."""
     pose: PoseView | None = None
     fix: FixView | None = None
     status: StatusView | None = None
@@ -152,6 +155,16 @@ class FleetView(msgspec.Struct, frozen=True, kw_only=True):
     kind: Literal["snapshot", "changes"]
     now: str
     """The server's clock, so that a page on a wrong clock still shows right ages."""
+    selected: str | None
+    """The vehicle that is told whole; `/v1/live` tells of the others only where they are."""
     vehicles: tuple[VehicleView, ...]
+    gone: tuple[str, ...]
+    """Vehicles to drop before `vehicles` are taken: they were silent for long."""
     services: tuple[ServiceView, ...] | None
     """Those that serve the whole fleet; null in a change where none changed."""
+
+
+class Selection(msgspec.Struct, frozen=True, kw_only=True):
+    """What a page sends over `/v1/live`: the vehicle that it shows, null for none."""
+
+    vehicle_id: VehicleId | None

@@ -1,6 +1,5 @@
 """The eta process."""
 
-import time
 from argparse import Namespace
 
 from wayline.keys import query_key
@@ -20,12 +19,12 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     del options
     routes = load_routes(settings)
-    board = EtaBoard(time.time_ns)
+    board = EtaBoard()
     return Service(
         NAME,
         lambda *_: Node(NAME, make_eta_core(routes, settings.tuning)),
         make_eta_core(routes, settings.tuning).reads,
-        watch=board.put,
+        views=[board],
         make_app=lambda healthz, telemetry: create_eta_app(
             board,
             routes,

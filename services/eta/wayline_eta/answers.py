@@ -6,7 +6,7 @@ where a recording is played. Ages and seconds to go are counted from now whateve
 
 import msgspec
 
-from wayline.messages import Arrivals, GpsFix, Pose, PoseMode, Progress, StopArrival, stale_after_s
+from wayline.messages import GpsFix, Pose, PoseMode, Progress, StopArrival
 from wayline.rfc3339 import rfc3339
 from wayline_eta.known import Heard, Known
 
@@ -48,7 +48,7 @@ class VehicleAnswer(msgspec.Struct, frozen=True, kw_only=True):
 
     vehicle_id: str
     age_s: float | None
-    """Since the position was received."""
+    """Of the position."""
     on_route: bool | None
     position: PositionAnswer | None
     progress: ProgressAnswer | None
@@ -74,9 +74,9 @@ class ArrivalAnswer(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float
     """From now to the arrival; 0 where it is due."""
     age_s: float
-    """Since the position was received that this rests on."""
+    """Age of the position that this rests on."""
     stale: bool
-    """That position is old, or predictions have stopped coming."""
+    """The position that this rests on is old."""
 
 
 class ArrivalList(msgspec.Struct, frozen=True):
@@ -133,27 +133,18 @@ def _progress(progress: Progress) -> ProgressAnswer:
 
 
 def arrival_answers(
-    vehicle_id: str,
-    known: Known,
-    now_ns: int,
-    *,
-    forget_after_s: float,
-    stop_id: str | None = None,
+    vehicle_id: str, known: Known, now_ns: int, stop_id: str | None = None
 ) -> list[ArrivalAnswer]:
-    """A vehicle's next arrivals as its last `arrivals` message has them, at one stop or all.
-
-    None once what they rest on is older than `forget_after_s`, even where the core that would
-    have said so has gone silent.
-    """
-    age_s = known.arrivals_age_s(now_ns)
-    if known.arrivals is None or age_s > forget_after_s:
+    """A vehicle's next arrivals as its last `arrivals` message has them, at one stop or all."""
+    if known.arrivals is None:
         return []
-    arrivals, since_s = known.arrivals.message, known.arrivals.age_s(now_ns)
-    stale = arrivals.stale or since_s > stale_after_s(Arrivals)
+    arrivals = known.arrivals.message
     # the vehicle's clock now: recordings are years behind, so no wall clock can tell
-    vehicle_now_ns = arrivals.t_ns + round(since_s * 1e9)
+    vehicle_now_ns = arrivals.t_ns + round(known.arrivals.since_s(now_ns) * 1e9)
+    position_ns = arrivals.t_ns if arrivals.position_ns is None else arrivals.position_ns
+    age_s = known.arrivals.age_s(now_ns) + (arrivals.t_ns - position_ns) * 1e-9
     return [
-        _arrival(vehicle_id, stop, vehicle_now_ns, age_s=age_s, stale=stale)
+        _arrival(vehicle_id, stop, vehicle_now_ns, age_s=age_s, stale=arrivals.stale)
         for stop in arrivals.stops
         if stop_id is None or stop.stop_id == stop_id
     ]

@@ -7,13 +7,13 @@ import msgspec
 from fastapi import FastAPI, Request
 from prometheus_client import CollectorRegistry
 
-from wayline import __version__
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, answers, create_app
+from wayline.http import Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters
 from wayline.query_error import QueryError
-from wayline.route import Route, route_features
+from wayline.route import Route
+from wayline.route_file import route_features
 from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
 from wayline_eta.board import ArrivalsParameters, EtaBoard, answer_arrivals
 
@@ -49,11 +49,10 @@ def create_eta_app(
 
     Raises InputError for settings that would be too open.
     """
-    app = create_app(
-        title="Wayline eta",
-        version=__version__,
-        healthz=healthz or _works,
-        settings=settings,
+    app = create_service_app(
+        "eta",
+        settings,
+        healthz=healthz,
         registry=registry,
         structs=(RouteSummaries, FeatureCollection, VehicleList, ArrivalList),
     )
@@ -62,10 +61,6 @@ def create_eta_app(
     _add_vehicles(app, board)
     _add_stops(app, board, known_routes)
     return app
-
-
-def _works() -> Healthz:
-    return Healthz(ok=True, service="eta", version=__version__)
 
 
 def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:

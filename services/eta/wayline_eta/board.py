@@ -6,19 +6,18 @@ computed or encoded under it.
 
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import msgspec
 from msgspec import Meta
 
-from wayline.messages import Message
+from wayline.messages import GpsFix, Message, Pose
 from wayline.parameters import read_parameters
 from wayline.query_error import QueryError
-from wayline.tuning import Tuning
+from wayline.view import Clock, Receipt
 from wayline_eta.answers import (
-    ArrivalAnswer,
     ArrivalList,
     VehicleAnswer,
     VehicleList,
@@ -40,36 +39,38 @@ class ArrivalsParameters(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class EtaBoard:
-    """The newest messages of every vehicle; `clock_ns` is any clock that only goes forward.
+    """The newest messages of every vehicle; `clock_ns` is the clock of the receipts.
 
-    Arrivals that rest on something older than `forget_after_s` are not told.
+    What is stale and what is forgotten, the core has decided.
     """
 
-    def __init__(
-        self,
-        clock_ns: Callable[[], int] = time.monotonic_ns,
-        *,
-        forget_after_s: float = Tuning().eta_forget_after_s,
-    ) -> None:
-        self._clock_ns, self._forget_after_s = clock_ns, forget_after_s
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
+
+    def __init__(self, clock_ns: Clock = time.monotonic_ns) -> None:
+        self._clock_ns = clock_ns
         self._lock = threading.Lock()
         self._vehicles: dict[str, Known] = {}
 
-    def put(self, vehicle_id: str, message: Message, source: str) -> None:
+    def put(self, vehicle_id: str, message: Message, source: str, receipt: Receipt) -> None:
         """Take a message of a vehicle: Pose, GpsFix, Progress or Arrivals; others are ignored."""
         with self._lock:
             known = self._vehicles.get(vehicle_id, Known())
-            now = known.with_message(message, source, self._clock_ns())
+            now = known.with_message(message, source, receipt)
             if now is not known:
                 self._vehicles[vehicle_id] = now
 
+    def forget(self, vehicle_id: str) -> None:
+        """Drop a vehicle that has been silent for long."""
+        with self._lock:
+            self._vehicles.pop(vehicle_id, None)
+
     def vehicle_ids(self) -> list[str]:
-        """Every vehicle that was ever heard."""
+        """Every vehicle that was heard and not yet forgotten."""
         with self._lock:
             return sorted(self._vehicles)
 
     def vehicle(self, vehicle_id: str) -> VehicleAnswer:
-        """One vehicle. Raises QueryError (404) for one that was never heard."""
+        """One vehicle. Raises QueryError (404) for one that is not known."""
         known, now_ns = self._look(vehicle_id)
         return vehicle_answer(vehicle_id, known, now_ns)
 
@@ -85,7 +86,7 @@ class EtaBoard:
         Raises QueryError (404) for a vehicle that was never heard.
         """
         known, now_ns = self._look(vehicle_id)
-        return soonest_first(self._arrivals(vehicle_id, known, now_ns, stop_id))
+        return soonest_first(arrival_answers(vehicle_id, known, now_ns, stop_id))
 
     def stop_arrivals(self, stop_id: str) -> ArrivalList:
         """The next arrival of every vehicle at a stop, soonest first."""
@@ -93,16 +94,9 @@ class EtaBoard:
         found = [
             at
             for vehicle_id, known in vehicles.items()
-            for at in self._arrivals(vehicle_id, known, now_ns, stop_id)
+            for at in arrival_answers(vehicle_id, known, now_ns, stop_id)
         ]
         return soonest_first(found)
-
-    def _arrivals(
-        self, vehicle_id: str, known: Known, now_ns: int, stop_id: str | None
-    ) -> list[ArrivalAnswer]:
-        return arrival_answers(
-            vehicle_id, known, now_ns, forget_after_s=self._forget_after_s, stop_id=stop_id
-        )
 
     def _look(self, vehicle_id: str) -> tuple[Known, int]:
         with self._lock:

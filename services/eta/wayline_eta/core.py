@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import msgspec
 
-from wayline.core import Record
+from wayline.core import Record, Sleep
 from wayline.inputs import Tick
 from wayline.messages import Arrivals, GpsFix, Message, Pose
 from wayline.route import Route
@@ -29,13 +29,13 @@ class EtaCore:
     def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
         self._by_pose = ByPose(routes, tuning)
 
-    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take a pose or a tick; anything else is not read."""
         del source
         if isinstance(message, Pose):
             self._by_pose.take(message)
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
-            return self._by_pose.tell(message.t_ns)
+            return self._by_pose.tell(message.t_ns, message.age_ns)
         return ()
 
 
@@ -79,27 +79,45 @@ class ByPose:
         self._followers = [RouteFollower(route, tuning) for route in routes]
         self._current: RouteFollower | None = None
         self._pose: Pose | None = None
+        """The last pose worth following, as long as anything may rest on it."""
+        self._is_stale = False
+        """Whether it has been told that the pose is old."""
 
     def take(self, pose: Pose) -> None:
         """Keep a pose for the next tick, if it has a position worth following."""
         if pose.lat_deg is not None and pose.lon_deg is not None and pose.mode != "lost":
-            self._pose = pose
+            self._pose, self._is_stale = pose, False
 
-    def tell(self, t_ns: int) -> list[Message]:
-        """Progress, while there is a fresh pose, and arrivals at a whole second."""
-        if self._pose is None:
-            return []
-        self._follow(self._pose)
-        if self._current is None:
-            return []
-        age_s = (t_ns - self._pose.t_ns) * 1e-9
-        stale = age_s > self._tuning.eta_stale_after_s
-        progress = None if stale else self._current.progress(t_ns)
-        outlook = self._current.outlook(t_ns)
+    def tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
+        """Progress and arrivals at a whole second while there is a fresh pose.
+
+        `pose_age_ns` is how old the pose was when it came. Once it is old, arrivals are told once
+        more, marked stale, and a last time, empty, when nothing can rest on it any longer.
+        """
+        pose = self._pose
+        if pose is not None:
+            self._follow(pose)
+        if pose is None or self._current is None:
+            return [Sleep()]
+        age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
+        if age_s <= self._tuning.eta_stale_after_s:
+            return self._fresh(self._current, pose, t_ns)
         if age_s > self._tuning.eta_forget_after_s:
-            outlook = None
-        arrivals = _arrivals(self._current.route, outlook, t_ns, stale=stale)
+            self._pose = None
+            return [_arrivals(self._current.route, None, t_ns, pose.t_ns, stale=True), Sleep()]
+        forgets_ns = pose.t_ns - pose_age_ns + round(self._tuning.eta_forget_after_s * 1e9)
+        return [*self._stale(self._current, pose, t_ns), Sleep(forgets_ns)]
+
+    def _fresh(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message | Sleep]:
+        progress = current.progress(t_ns)
+        arrivals = _arrivals(current.route, current.outlook(t_ns), t_ns, pose.t_ns, stale=False)
         return [arrivals] if progress is None else [progress, arrivals]
+
+    def _stale(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message]:
+        if self._is_stale:
+            return []
+        self._is_stale = True
+        return [_arrivals(current.route, current.outlook(t_ns), t_ns, pose.t_ns, stale=True)]
 
     def _follow(self, pose: Pose) -> None:
         if pose.lat_deg is None or pose.lon_deg is None:
@@ -117,7 +135,7 @@ class ByPose:
             self._choose(min(matching, key=lambda one: (one.ended, one.offset_m)))
 
     def _choose(self, chosen: RouteFollower) -> None:
-        """Follow one; the others are unseen from now on, so they start afresh when next asked."""
+        """Follow one route; the other routes' followers start afresh when they are next asked."""
         self._current = chosen
         self._followers = [
             chosen if chosen.route is route else RouteFollower(route, self._tuning)
@@ -150,7 +168,8 @@ class ByFix:
         forgotten = age_s > self._tuning.eta_forget_after_s
         outlook = None if forgotten else self._follower.outlook()
         stale = age_s > self._tuning.eta_stale_after_s
-        return [progress, _arrivals(self._follower.route, outlook, progress.t_ns, stale=stale)]
+        route, known_ns = self._follower.route, self._follower.known_ns
+        return [progress, _arrivals(route, outlook, progress.t_ns, known_ns, stale=stale)]
 
     def _nearest_route(self, fix: GpsFix) -> Route | None:
         lat_deg, lon_deg = fix.lat_deg, fix.lon_deg
@@ -162,6 +181,10 @@ class ByFix:
         )
 
 
-def _arrivals(route: Route, outlook: Outlook | None, t_ns: int, *, stale: bool) -> Arrivals:
+def _arrivals(
+    route: Route, outlook: Outlook | None, t_ns: int, position_ns: int, *, stale: bool
+) -> Arrivals:
     stops = predict_arrivals(route, outlook, t_ns) if outlook else ()
-    return Arrivals(t_ns=t_ns, route_id=route.route_id, stale=stale, stops=stops)
+    return Arrivals(
+        t_ns=t_ns, route_id=route.route_id, stale=stale, position_ns=position_ns, stops=stops
+    )

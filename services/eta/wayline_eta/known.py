@@ -1,28 +1,29 @@
-"""Pure: what is known of one vehicle, each message with the instant when it was received."""
+"""Pure: what is known of one vehicle, each message with the receipt that tells its age."""
 
 from typing import Generic, TypeVar
 
 import msgspec
 
 from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, stale_after_s
+from wayline.view import Receipt
 
 M = TypeVar("M", bound=Message)
 
 
 class Heard(msgspec.Struct, Generic[M], frozen=True):
-    """A message, who sent it, and when it was received by the reader's own clock.
-
-    Ages come from that clock, not from `t_ns`: a recording that is played now is as fresh as
-    what a vehicle sends now.
-    """
+    """A message, who sent it, and its receipt; `now_ns` is of the receipt's clock."""
 
     message: M
     source: str
-    heard_ns: int
+    receipt: Receipt
 
     def age_s(self, now_ns: int) -> float:
-        """Since it was received."""
-        return max(now_ns - self.heard_ns, 0) * 1e-9
+        """Of what it tells, by the older of the vehicle's clock and the host's."""
+        return self.receipt.age_s(now_ns)
+
+    def since_s(self, now_ns: int) -> float:
+        """Since it came."""
+        return max(now_ns - self.receipt.at_ns, 0) * 1e-9
 
 
 class Known(msgspec.Struct, frozen=True, kw_only=True):
@@ -33,17 +34,17 @@ class Known(msgspec.Struct, frozen=True, kw_only=True):
     progress: Heard[Progress] | None = None
     arrivals: Heard[Arrivals] | None = None
 
-    def with_message(self, message: Message, source: str, heard_ns: int) -> "Known":
+    def with_message(self, message: Message, source: str, receipt: Receipt) -> "Known":
         """What is known once a message has been received; others change nothing."""
         match message:
             case Pose() if message.lat_deg is not None and message.mode != "lost":
-                return msgspec.structs.replace(self, pose=Heard(message, source, heard_ns))
+                return msgspec.structs.replace(self, pose=Heard(message, source, receipt))
             case GpsFix(valid=True):
-                return msgspec.structs.replace(self, fix=Heard(message, source, heard_ns))
+                return msgspec.structs.replace(self, fix=Heard(message, source, receipt))
             case Progress():
-                return msgspec.structs.replace(self, progress=Heard(message, source, heard_ns))
+                return msgspec.structs.replace(self, progress=Heard(message, source, receipt))
             case Arrivals():
-                return msgspec.structs.replace(self, arrivals=Heard(message, source, heard_ns))
+                return msgspec.structs.replace(self, arrivals=Heard(message, source, receipt))
         return self
 
     def position(self, now_ns: int) -> Heard[Pose] | Heard[GpsFix] | None:
@@ -52,15 +53,4 @@ class Known(msgspec.Struct, frozen=True, kw_only=True):
         if pose is None or fix is None:
             return pose or fix
         silent = pose.age_s(now_ns) > stale_after_s(Pose)
-        return fix if silent and fix.heard_ns > pose.heard_ns else pose
-
-    def arrivals_age_s(self, now_ns: int) -> float:
-        """Of what the arrivals rest on: their position, or they themselves if they are older.
-
-        Infinite without arrivals.
-        """
-        if self.arrivals is None:
-            return float("inf")
-        rests_on = self.pose or self.fix
-        position_age_s = rests_on.age_s(now_ns) if rests_on else 0.0
-        return max(self.arrivals.age_s(now_ns), position_age_s)
+        return fix if silent and fix.age_s(now_ns) < pose.age_s(now_ns) else pose

@@ -9,7 +9,7 @@ from wayline.settings import Settings
 from wayline.shell import main as run_shell
 from wayline.shell import plain_app
 from wayline_fusion.core import FusionCore
-from wayline_fusion.live_view import live_view
+from wayline_fusion.live_view import live_views
 from wayline_fusion.patient_store import PatientStore
 from wayline_fusion.store import FusionStore
 
@@ -33,7 +33,7 @@ def build(settings: Settings, options: Namespace) -> Service:
         NAME,
         make_node,
         FusionCore.reads,
-        watch=live_view(settings),
+        views=live_views(settings),
         make_app=plain_app(NAME, settings),
     )
 

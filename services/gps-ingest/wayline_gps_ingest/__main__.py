@@ -3,11 +3,10 @@
 from argparse import Namespace
 from collections.abc import Callable
 
-from wayline.arrival import source_names
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.http import Healthz
-from wayline.messages import GpsFix, Message
 from wayline.node import Node
+from wayline.received import source_names
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import main as run_shell
@@ -16,7 +15,7 @@ from wayline.telemetry import Telemetry
 from wayline_gps_ingest.core import GpsIngestCore
 from wayline_gps_ingest.gpsd import GpsdCore
 from wayline_gps_ingest.receiver_metrics import ReceiverCollector
-from wayline_gps_ingest.receivers import Receiver
+from wayline_gps_ingest.receivers import FixNotes, Receiver
 from wayline_gps_ingest.recorded import recordings
 
 NAME = "gps-ingest"
@@ -26,9 +25,16 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     if options.drive is not None:
         drive = load_drive(options.drive)
-        played = playback(NAME, settings, options, lambda: recordings(drive))
+        where = str(options.drive)
+        played = playback(NAME, settings, options, lambda: recordings(drive, where))
         app = plain_app(NAME, settings)
-        return Service(NAME, feeds=[played], make_app=app, bad_input=lambda: played.bad_input)
+        return Service(
+            NAME,
+            feeds=[played],
+            make_app=app,
+            bad_input=lambda: played.bad_input,
+            is_recorded=True,
+        )
     return live(settings)
 
 
@@ -46,16 +52,11 @@ def live(settings: Settings) -> Service:
         receiver.faults = lambda: core.faults
         return Node(source, core)
 
-    def watch(vehicle_id: str, message: Message, source: str) -> None:
-        del vehicle_id
-        if isinstance(message, GpsFix) and message.valid:
-            receivers[source].fixed()
-
     return Service(
         NAME,
         make_node,
         feeds=list(receivers.values()),
-        watch=watch,
+        views=[FixNotes(receivers)],
         make_app=app_with_receivers(settings, receivers),
         bad_input=lambda: sum(sum(each.faults().values()) for each in receivers.values()),
     )

@@ -12,7 +12,7 @@ from operator import xor
 RATES = (9600, 4800, 115200, 38400, 57600, 19200, 230400, 460800, 921600)
 """Bits per second, the most common of receivers first."""
 NOISE_MAX = 400
-"""So many bytes at the right rate hold a sentence or a binary message for sure."""
+"""So many bytes without a sentence or a binary message tell that the rate is wrong."""
 PAUSE_S = 0.15
 """Longer than within a burst: a receiver has said all that it had to say."""
 PATIENCE_S = 2.0

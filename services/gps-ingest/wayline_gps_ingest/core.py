@@ -9,14 +9,14 @@ import msgspec
 from wayline.inputs import Flush, PositionReport, Sentence, Tick
 from wayline.messages import GpsFix, Message
 from wayline_gps_ingest.cycle import EpochAssembler
+from wayline_gps_ingest.dates import Dates, nearest_ns
 from wayline_gps_ingest.decode import decode
-from wayline_gps_ingest.displacement import Displacement
+from wayline_gps_ingest.derived_speed import DerivedSpeed
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
+from wayline_gps_ingest.onward_clock import OnwardClock
 from wayline_gps_ingest.parsing import parse
 from wayline_gps_ingest.reports import fix_of_report
-from wayline_gps_ingest.steady_clock import SteadyClock
-from wayline_gps_ingest.timeline import Timeline, nearest_ns
 from wayline_gps_ingest.waiting import WaitingRoom
 
 WAIT_NS = SECOND_NS
@@ -40,14 +40,14 @@ class GpsIngestCore:
     def __init__(self, gps_latency_s: float = 0.0, date: dt.date | None = None) -> None:
         self._latency_ns = round(gps_latency_s * SECOND_NS)
         self._assembler = EpochAssembler()
-        self._timeline = Timeline(date)
-        self._clock = SteadyClock()
-        self._displacement = Displacement()
+        self._dates = Dates(date)
+        self._clock = OnwardClock()
+        self._derived_speed = DerivedSpeed()
         self._faults: Counter[str] = Counter()
         self._waiting = WaitingRoom()
         self._checked = False
         self._day_known = date is not None
-        self._arrival_ns: int | None = None
+        self._received_ns: int | None = None
         self._sky_second: int | None = None
 
     @property
@@ -102,15 +102,15 @@ class GpsIngestCore:
             return []
         self._day_known = self._day_known or "date" in observation.facts
         complete = self._assembler.add(observation)
-        self._arrival_ns = sentence.arrival_ns
+        self._received_ns = sentence.received_ns
         return self._publish(complete) if complete else []
 
     def _tick(self, t_ns: int) -> list[Message]:
         time_ns = self._assembler.open_time_ns
         if time_ns is None:
             return []
-        arrival_ns = nearest_ns(time_ns, t_ns) if self._arrival_ns is None else self._arrival_ns
-        return self._publish(self._assembler.finish()) if t_ns - arrival_ns >= WAIT_NS else []
+        received_ns = nearest_ns(time_ns, t_ns) if self._received_ns is None else self._received_ns
+        return self._publish(self._assembler.finish()) if t_ns - received_ns >= WAIT_NS else []
 
     def _publish(self, complete: list[Epoch]) -> list[Message]:
         messages: list[Message] = []
@@ -125,7 +125,7 @@ class GpsIngestCore:
         fix = epoch.fix(0)
         # without a fix a receiver's date is its own clock's, which may be decades off
         day = epoch.facts.get("date") if fix.valid else None
-        raw_ns = self._timeline.instant_ns(epoch.time_ns, day, self._arrival_ns)
+        raw_ns = self._dates.instant_ns(epoch.time_ns, day, self._received_ns)
         if raw_ns is None:
             self._waiting.hold(epoch)
             return []
@@ -145,7 +145,7 @@ class GpsIngestCore:
         if t_ns is None:
             return []
         fix = msgspec.structs.replace(fix, t_ns=t_ns)
-        messages: list[Message] = [self._displacement.filled(fix) if fix.valid else fix]
+        messages: list[Message] = [self._derived_speed.filled(fix) if fix.valid else fix]
         if epoch.in_view and t_ns // SECOND_NS != self._sky_second:
             # once in a whole second, whatever the receiver's rate
             self._sky_second = t_ns // SECOND_NS

@@ -21,9 +21,9 @@ class Ending:
     """The sentence that ended two in a row."""
     candidate: str = ""
     timed: frozenset[str] = frozenset()
-    """The timed sentences of the last one."""
+    """The timed sentences of the last epoch."""
     needed: frozenset[str] = frozenset()
-    """Those that the last two shared."""
+    """The timed sentences that the last two epochs shared."""
 
     def learn(self, latest: str, timed_keys: frozenset[str]) -> None:
         """Take in a cycle that the next one's first sentence has ended."""

@@ -23,7 +23,7 @@ from wayline_gps_ingest.gpsd_reports import (
     satellite_of,
     time_ns,
 )
-from wayline_gps_ingest.steady_clock import SteadyClock
+from wayline_gps_ingest.onward_clock import OnwardClock
 
 HELD_NS = 10 * SECOND_NS
 """The sky is told apart from the fix, by some receivers every 5 s: so long it stands beside it."""
@@ -35,7 +35,7 @@ Told = TypeVar("Told", Sky, Gst)
 class GpsdReport(msgspec.Struct, frozen=True):
     """A line from gpsd, as it came."""
 
-    arrival_ns: int | None
+    received_ns: int | None
     text: str
 
 
@@ -51,7 +51,7 @@ class GpsdCore:
 
     def __init__(self, gps_latency_s: float = 0.0) -> None:
         self._latency_ns = round(gps_latency_s * SECOND_NS)
-        self._clock = SteadyClock()
+        self._clock = OnwardClock()
         self._faults: Counter[str] = Counter()
         self._device = ""
         self._open: Tpv | None = None

@@ -16,7 +16,7 @@ import serial
 from wayline.errors import InputError
 from wayline.framing import SentenceSplitter
 from wayline.inputs import Sentence
-from wayline.settings import LiveNmea
+from wayline.live_sources import LiveNmea
 from wayline_gps_ingest.baud import BaudSearch, UbxEar, is_sound
 from wayline_gps_ingest.gpsd import GpsdReport
 
@@ -60,7 +60,7 @@ class Link(Protocol):
     """Where lines come from."""
 
     patience_s: float
-    """It is opened anew when it is silent for longer."""
+    """A link that is silent for longer is opened anew."""
 
     def read(self) -> Heard:
         """What has come within `READ_S`. Raises OSError at its end."""
@@ -77,7 +77,7 @@ class Address(NamedTuple):
 
     open: Callable[[], AbstractContextManager[Link]]
     line: Callable[[int, str], msgspec.Struct]
-    """A line with its arrival, as its core takes it."""
+    """A line with its receipt, as its core takes it."""
 
 
 def address_of(source: LiveNmea) -> Address:

@@ -17,7 +17,7 @@ Fault = Literal["checksum", "malformed", "torn"]
 
 KINDS = frozenset(("GGA", "RMC", "GSA", "GSV", "GST", "VTG", "GLL", "GNS", "ZDA"))
 PROPRIETARY = {"PGRMZ": ("PG", "RMZ"), "PQGSV": ("PQ", "GSV")}
-"""Talker and kind of those that are read too: Garmin's altitude, Quectel's satellites of QZSS."""
+"""Talker and kind of proprietary sentences: Garmin's altitude, Quectel's satellites of QZSS."""
 FIELDS_MIN = {"GGA": 10, "RMC": 9, "GLL": 4, "GNS": 9, "GST": 8, "VTG": 4, "ZDA": 4, "GSA": 16}
 """Fields that a sentence must have where no checksum vouches for its being whole."""
 ADDRESS = re.compile(r"[$!]([A-Z0-9]{2}[A-Z0-9.]*)[,*]")

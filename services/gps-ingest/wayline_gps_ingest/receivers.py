@@ -3,10 +3,13 @@
 import threading
 import time
 from collections.abc import Callable, Mapping
+from typing import ClassVar
 
 import msgspec
 
-from wayline.settings import LiveNmea
+from wayline.live_sources import LiveNmea
+from wayline.messages import GpsFix, Message
+from wayline.view import Receipt
 from wayline_gps_ingest.condition import Condition
 from wayline_gps_ingest.links import Link, address_of
 
@@ -41,7 +44,7 @@ class Receiver:
 
     @property
     def condition(self) -> Condition:
-        """How it does now."""
+        """How the receiver does now."""
         link = self._link
         now_s = time.monotonic()
 
@@ -61,7 +64,7 @@ class Receiver:
 
     @property
     def detail(self) -> str:
-        """How it does, for `health`."""
+        """How the receiver does, for `health`."""
         return self.condition.text
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
@@ -91,9 +94,27 @@ class Receiver:
             if not heard.size_bytes:
                 continue
             self._byte_s = last_s = time.monotonic()
-            arrival_ns = time.time_ns()
+            received_ns = time.time_ns()
             for line in heard.lines:
                 self._sentence_s = last_s
-                put(self._address.line(arrival_ns, line))
+                put(self._address.line(received_ns, line))
         self._error = "silent"
         return last_s > opened_s
+
+
+class FixNotes:
+    """A view of what is published: tells each receiver of the fixes made of its sentences."""
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset()
+
+    def __init__(self, receivers: Mapping[str, Receiver]) -> None:
+        self._receivers = receivers
+
+    def put(self, vehicle_id: str, message: Message, source: str, receipt: Receipt) -> None:
+        """Take a published message; valid fixes count."""
+        del vehicle_id, receipt
+        if isinstance(message, GpsFix) and message.valid:
+            self._receivers[source].fixed()
+
+    def forget(self, vehicle_id: str) -> None:
+        """Nothing is kept of a vehicle."""

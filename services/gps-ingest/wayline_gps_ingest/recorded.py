@@ -4,19 +4,20 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
-from wayline.arrival import Recording, source_names, translated
 from wayline.avl_log import read_reports
 from wayline.drive import AvlSource, Drive, NmeaSource, Vehicle
 from wayline.errors import InputError
 from wayline.inputs import PositionReport
 from wayline.nmea_log import has_date, has_sentence, read_sentences
+from wayline.received import Recording, source_names, translated
 from wayline_gps_ingest.core import GpsIngestCore
 
 READABLE = "give a receiver's log of GGA, RMC, GLL, GNS or the like, as it came from the line"
 
 
-def recordings(drive: Drive) -> list[Recording]:
+def recordings(drive: Drive, where: str) -> list[Recording]:
     """Every `[[nmea]]` and `[[avl]]` of a drive, in that order. Raises InputError."""
+    del where  # what is wrong with them is in their own files
     names = source_names("gps-ingest")
     return [
         *(_receiver(nmea, drive.vehicle, next(names)) for nmea in drive.nmea),
@@ -39,7 +40,7 @@ def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
         core.handle,
         name,
         lambda sentence, message: (
-            message.t_ns + latency_ns if sentence.arrival_ns is None else sentence.arrival_ns
+            message.t_ns + latency_ns if sentence.received_ns is None else sentence.received_ns
         ),
     )
     return Recording(name, messages, lambda: core.bad_input, nothing=lambda: nothing(core.faults))

@@ -46,7 +46,7 @@ SENTENCES_MAX = 64
 Key = tuple[str, int]
 
 
-class Seen(NamedTuple):
+class InView(NamedTuple):
     """A satellite in view, ready for either case: its own sentence does not say if it is used."""
 
     key: Key
@@ -89,8 +89,8 @@ class Sky:
         )
         return GpsSky(t_ns=t_ns, satellites=tuple(satellites))
 
-    def _in_view(self) -> dict[Key, Seen]:
-        in_view: dict[Key, Seen] = {}
+    def _in_view(self) -> dict[Key, InView]:
+        in_view: dict[Key, InView] = {}
         for observation in self._sentences:
             if observation.kind != "GSV":
                 continue
@@ -98,7 +98,7 @@ class Sky:
             # four fields a satellite; a signal's id that may follow them is left over
             slots = zip(fields[3::4], fields[4::4], fields[5::4], fields[6::4], strict=False)
             for prn, elevation, azimuth, snr in slots:
-                seen = _seen(talker, prn, elevation, azimuth, snr)
+                seen = _parsed(talker, prn, elevation, azimuth, snr)
                 if seen:
                     known = in_view.setdefault(seen.key, seen)
                     if known is not seen:
@@ -120,7 +120,7 @@ def _key(talker: str, system_id: str, prn: str) -> Key | None:
 
 # a satellite hardly moves in a minute, and its signal comes back to the same few whole numbers
 @lru_cache(maxsize=4096)
-def _seen(talker: str, prn: str, elevation: str, azimuth: str, snr: str) -> Seen | None:
+def _parsed(talker: str, prn: str, elevation: str, azimuth: str, snr: str) -> InView | None:
     """A satellite as one sentence tells of it; None for an empty place."""
     key = _key(talker, "", prn)
     if key is None:
@@ -132,10 +132,10 @@ def _seen(talker: str, prn: str, elevation: str, azimuth: str, snr: str) -> Seen
         azimuth_deg=bearing_deg(azimuth),
         snr_dbhz=positive(snr),
     )
-    return Seen(key, used=msgspec.structs.replace(unused, used=True), unused=unused)
+    return InView(key, used=msgspec.structs.replace(unused, used=True), unused=unused)
 
 
-def _stronger(one: Seen, other: Seen) -> Seen:
+def _stronger(one: InView, other: InView) -> InView:
     """A satellite heard on several signals is listed once a signal: the strongest stands."""
     return other if (one.unused.snr_dbhz or 0.0) < (other.unused.snr_dbhz or 0.0) else one
 

@@ -2,9 +2,9 @@
 
 from collections import deque
 
+from wayline_gps_ingest.dates import DAY_NS, EPOCH, nearest_ns
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS
-from wayline_gps_ingest.timeline import DAY_NS, EPOCH, nearest_ns
 
 WAIT_NS = 10 * SECOND_NS
 """Older epochs are of no use to anyone once their day is known."""
@@ -32,7 +32,7 @@ class WaitingRoom:
         self._epochs.append(epoch)
 
     def release(self, now_ns: int) -> list[tuple[Epoch, int]]:
-        """Those of the last seconds before an instant whose day is known, with their instants."""
+        """Epochs of the last seconds before an instant whose day is known, and their instants."""
         recent: list[tuple[Epoch, int]] = []
         for epoch in self._epochs:
             t_ns = nearest_ns(epoch.time_ns or 0, now_ns)

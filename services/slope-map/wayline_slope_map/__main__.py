@@ -48,7 +48,7 @@ def build(settings: Settings, options: Namespace) -> Service:
         NAME,
         make_node,
         SlopeMapCore.reads,
-        watch=book.put,
+        views=[book],
         make_app=lambda healthz, telemetry: create_slope_app(
             book, settings.http_of(NAME), healthz=healthz, registry=telemetry.registry
         ),

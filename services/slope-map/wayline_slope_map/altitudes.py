@@ -74,7 +74,7 @@ def _equal_in_a_row(readings: list[Pressure]) -> list[list[Pressure]]:
 
 
 def _within(track: Track, altitudes: list[Altitude]) -> list[Altitude]:
-    """Those measured during the run, in order of time; a late fix may belong to the run before."""
+    """Altitudes measured during the run, in order of time; a late fix may be of the one before."""
     last_ns = track.times_ns[-1]
     return sorted(altitude for altitude in altitudes if track.start_ns <= altitude.t_ns <= last_ns)
 

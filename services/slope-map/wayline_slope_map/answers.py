@@ -89,8 +89,8 @@ class VehicleLookahead(LookaheadAnswer, frozen=True, kw_only=True):
     """The road ahead of a vehicle."""
 
     vehicle_id: str
-    age_s: float | None
-    """Since its last pose was received; null where none was."""
+    age_s: float
+    """Of its last pose."""
 
 
 def road_list(profiles: Iterable[RoadProfile]) -> RoadList:

@@ -6,9 +6,8 @@ from typing import Any
 from fastapi import FastAPI, Request, Response
 from prometheus_client import CollectorRegistry
 
-from wayline import __version__
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, answers, create_app
+from wayline.http import Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters
 from wayline_slope_map.answers import (
@@ -43,11 +42,10 @@ def create_slope_app(
 
     Raises InputError for settings that would be too open.
     """
-    app = create_app(
-        title="Wayline slope map",
-        version=__version__,
-        healthz=healthz or _works,
-        settings=settings,
+    app = create_service_app(
+        "slope-map",
+        settings,
+        healthz=healthz,
         registry=registry,
         structs=(RoadList, ProfileAnswer, LookaheadAnswer, VehicleLookahead, FeatureCollection),
     )
@@ -55,10 +53,6 @@ def create_slope_app(
     _add_documents(app, book)
     _add_lookahead(app, book)
     return app
-
-
-def _works() -> Healthz:
-    return Healthz(ok=True, service="slope-map", version=__version__)
 
 
 def _add_roads(app: FastAPI, book: SlopeBook) -> None:

@@ -5,14 +5,14 @@ from typing import ClassVar
 
 import msgspec
 
-from wayline.core import Record
+from wayline.core import Record, Sleep
 from wayline.geo import wrap_360
 from wayline.gps_quality import altitude_std_m
 from wayline.inputs import Flush, Tick
 from wayline.line import Line
 from wayline.messages import Barometer, GpsFix, Horizon, Message, Pose
 from wayline.tuning import Tuning
-from wayline_slope_map.matching import SPACING_M, Match, RoadIndex, chosen
+from wayline_slope_map.matching import SPACING_M, Match, RoadIndex, carried_on, chosen
 from wayline_slope_map.profile import RoadProfile, lookahead
 from wayline_slope_map.records import RoadLearned
 from wayline_slope_map.roads import check_same_route, route_road
@@ -61,8 +61,14 @@ class SlopeMapCore:
         self._pose: Pose | None = None
         self._driving: Pose | None = None
         """The last pose that was well ahead of the one kept here before."""
+        self._is_looking = False
+        """The last horizon told what lies ahead of a fresh pose."""
 
-    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:  # noqa: ARG002  # the slope is one whichever source
+    def handle(
+        self,
+        message: msgspec.Struct,
+        source: str,  # noqa: ARG002  # the slope is one whichever source
+    ) -> Sequence[Message | Record | Sleep]:
         """Take one input and return what follows from it, in order."""
         match message:
             case Pose():
@@ -72,7 +78,7 @@ class SlopeMapCore:
             case Barometer(pressure_pa=float(pressure_pa)):
                 self._track.pressures.append(Pressure(message.t_ns, pressure_pa))
             case Tick() if message.t_ns % SECOND_NS == 0:
-                return [self._horizon(message.t_ns)]
+                return self._look_ahead(message)
             case Flush():
                 return self._finish()
             case RoadLearned():
@@ -160,8 +166,17 @@ class SlopeMapCore:
         self._profiles[profile.road.road_id] = profile
         self._index.add(profile.road)
 
-    def _horizon(self, t_ns: int) -> Horizon:
-        here = self._here(t_ns)
+    def _look_ahead(self, tick: Tick) -> Sequence[Message | Sleep]:
+        """The horizon of a fresh pose; without one it ends with an empty one."""
+        if self._pose is not None and tick.t_ns - self._pose.t_ns + tick.age_ns <= FRESH_NS:
+            self._is_looking = True
+            return [self._horizon(tick.t_ns, self._pose)]
+        ended = [Horizon(t_ns=tick.t_ns)] if self._is_looking else []
+        self._is_looking = False
+        return [*ended, Sleep()]
+
+    def _horizon(self, t_ns: int, pose: Pose) -> Horizon:
+        here = self._here(pose)
         if here is None:
             return Horizon(t_ns=t_ns)
         profile = self._profiles[here.road_id]
@@ -172,16 +187,20 @@ class SlopeMapCore:
             length_m=self._tuning.horizon_length_m,
             step_m=self._tuning.horizon_step_m,
         )
-        return Horizon(t_ns=t_ns, road_id=here.road_id, position_m=here.along_m, points=points)
+        return Horizon(
+            t_ns=t_ns,
+            road_id=here.road_id,
+            direction=1 if here.direction > 0 else -1,
+            position_m=here.along_m,
+            points=points,
+        )
 
-    def _here(self, t_ns: int) -> Match | None:
+    def _here(self, pose: Pose) -> Match | None:
         """The place on a road, the last one carried on by the distance travelled since."""
-        last, pose = self._last_place(), self._pose
-        if last is None or last.match is None or pose is None or t_ns - pose.t_ns > FRESH_NS:
+        last = self._last_place()
+        if last is None or last.match is None:
             return None
         moved_m = pose.distance_m - last.travelled_m
         if moved_m > LOST_AFTER_M:
             return None
-        length_m = self._profiles[last.match.road_id].road.line.length_m
-        along_m = last.match.along_m + last.match.direction * moved_m
-        return last.match._replace(along_m=min(max(along_m, 0.0), length_m))
+        return carried_on(self._profiles[last.match.road_id].road, last.match, moved_m)

@@ -33,7 +33,7 @@ def profile_csv(book: SlopeBook, road_id: str, parameters: Mapping[str, str]) ->
 def profile_geojson(
     book: SlopeBook, road_id: str, parameters: Mapping[str, str]
 ) -> FeatureCollection:
-    """The same rows, each with the piece of road that it is about, in the direction of travel.
+    """The known bins of a road, each with its piece of the line, in the direction of travel.
 
     Raises QueryError as `profile_csv`.
     """

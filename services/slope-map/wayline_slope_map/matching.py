@@ -33,6 +33,18 @@ class Match(NamedTuple):
     offset_m: float
 
 
+def on_road(road: Road, match: Match) -> Match:
+    """A place as it lies on the road's line: a loop goes on after its end, another road ends."""
+    length_m = road.line.length_m
+    along_m = match.along_m % length_m if road.loop else min(max(match.along_m, 0.0), length_m)
+    return match._replace(along_m=along_m)
+
+
+def carried_on(road: Road, match: Match, moved_m: float) -> Match:
+    """A place after so much more travel along its road, in its direction."""
+    return on_road(road, match._replace(along_m=match.along_m + match.direction * moved_m))
+
+
 class _Point(NamedTuple):
     road_id: str
     along_m: float

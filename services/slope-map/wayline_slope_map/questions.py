@@ -39,7 +39,7 @@ class AheadParameters(msgspec.Struct, frozen=True, kw_only=True):
     step_m: StepM = 20.0
 
     def distances_m(self) -> Sequence[float]:
-        """From 0 to the length; the core's `lookahead` counts them the same."""
+        """Distances ahead that are asked for, from 0 to the length, as `lookahead` counts them."""
         return [count * self.step_m for count in range(int(self.length_m / self.step_m + 1e-9) + 1)]
 
 
@@ -78,7 +78,7 @@ class ProfileParameters(StretchParameters, frozen=True, kw_only=True):
     step_m: StepM | UnsetType = UNSET
 
     def distances_m(self, road: Road) -> Sequence[float]:
-        """Of the points along a road's line, none beyond its end.
+        """Distances of the points along a road's line, none beyond its end.
 
         Raises QueryError (422) for too many of them.
         """

@@ -17,7 +17,7 @@ _WINDOW = rrb.VisibleTimeRange(TIMELINE, start=_START, end=_END)
 _AXIS = rrb.TimeAxis(view_range=rr.TimeRange(start=_START, end=_END))
 _PAST = rrb.VisibleTimeRange(TIMELINE, start=rrb.TimeRangeBoundary.infinite(), end=_END)
 TRAILS = ("fixes", "rejected", "rejected_from", "path")
-"""Entities of the map that stay; of the others the map shows the latest."""
+"""Entities that stay on the map; any other entity is there with its latest place only."""
 HORIZONTAL = {
     "gyro_bias_degps": "gyro bias, deg/s",
     "gyro_scale": "gyro scale",

@@ -28,3 +28,8 @@ def test_a_table_is_aligned_markdown_that_tells_missed_bars() -> None:
     assert lines[0].startswith("| what        | ours    | yardstick |")
     assert "| 1 ms    | 1 ms bare | 1.00 (1.00 to 1.00)          | 2 met" in lines[2]
     assert "| 4000 ms | 1 ms bare | 4000.00 (4000.00 to 4000.00) | 2 MISSED |" in lines[3]
+
+
+def test_a_small_share_is_not_rounded_away() -> None:
+    """Two losses in ten thousand are not none."""
+    assert "0.0002 (0.0002 to 0.0002)" in table([compared("x", [2.0], [10_000.0], "sent")])

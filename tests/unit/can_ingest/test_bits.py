@@ -61,7 +61,8 @@ def value_bit_by_bit(signal: Signal, data: bytes) -> float | None:
         return None
     if signal.is_signed and raw >> (signal.length - 1):
         raw -= 1 << signal.length
-    return float(raw * signal.conversion.scale + signal.conversion.offset)
+    # an integer stays one: above 2 ** 53 a double would be another
+    return raw * signal.conversion.scale + signal.conversion.offset
 
 
 @settings(deadline=None)
@@ -87,6 +88,7 @@ def test_any_layout_is_read_as_cantools_does(signal: Signal, data: bytes) -> Non
 @example(Signal("A", 0, 8), b"\xfe")
 @example(Signal("A", 0, 8), b"\xfd")
 @example(Signal("A", 0, 2), b"\x02")
+@example(Signal("A", 0, 54), b"\x01\x00\x00\x00\x00\x00\x20")
 def test_what_is_not_available_is_none(signal: Signal, data: bytes) -> None:
     """A J1939 field in its ranges for "error" and "not available" has no value, any other has."""
     raw = raw_bit_by_bit(signal, data)

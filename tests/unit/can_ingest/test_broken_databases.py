@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline_can_ingest.dbc import load_database
 from wayline_can_ingest.recorded import recordings

@@ -14,7 +14,7 @@ from cantools.database.can import Message as DbcMessage
 
 from buses import WAIT_S, Adapter, await_true, message
 from wayline.inputs import Frame
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.interfaces import Interface
 from wayline_can_ingest.mapping import FrameKey, Mapping
 from wayline_can_ingest.plan import FramePlan

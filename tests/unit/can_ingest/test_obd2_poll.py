@@ -11,8 +11,8 @@ from buses import WAIT_S, await_true
 from ecu import SUPPORTED, Ecu
 from wayline.drive import Vehicle
 from wayline.inputs import Frame
+from wayline.live_sources import LiveCan
 from wayline.messages import Barometer, Message, Odometer, Torque
-from wayline.settings import LiveCan
 from wayline_can_ingest.configured import load_mapping
 from wayline_can_ingest.core import CanIngestCore
 from wayline_can_ingest.interfaces import Interface

@@ -9,8 +9,8 @@ import pytest
 import serial
 
 from outlets import Plug, Talker
-from wayline.settings import LiveNmea
-from wayline_cli.check import Check, Verdict
+from wayline.live_sources import LiveNmea
+from wayline_cli.check import Check, Mark
 from wayline_cli.check_serial import check_receivers
 from wayline_cli.listen_serial import Hearing, listen
 
@@ -83,28 +83,26 @@ def test_a_line_that_is_not_there_is_said_with_those_that_are(tmp_path: Path) ->
     """The mend is to plug it in or to name another."""
     missing = LiveNmea(url=f"serial://{tmp_path}/ttyUSB9")
     (found,) = check_receivers([missing], listen, list)
-    assert (found.verdict, found.finding) == (Verdict.WRONG, "is not there")
+    assert (found.mark, found.finding) == (Mark.WRONG, "is not there")
     (first, _) = check(Hearing("is not there"), ("/dev/ttyS0",))
     assert "present: /dev/ttyS0" in first.mend
 
 
 @pytest.mark.parametrize(
-    ("heard", "verdict", "words"),
+    ("heard", "mark", "words"),
     [
-        (Hearing(None, "9600 baud", ("GPRMC",), has_fix=True), Verdict.FINE, ""),
-        (Hearing(None, "9600 baud", ("GPRMC",)), Verdict.NOTE, "antenna"),
-        (Hearing("in use by gpsd (process 7)"), Verdict.FINE, ""),
-        (Hearing("may not be read, its group (dialout) is needed"), Verdict.WRONG, "dialout"),
-        (Hearing("silent", "9600 baud being tried"), Verdict.WRONG, "wiring"),
-        (Hearing("sends nothing readable", "9600 baud, u-blox binary only"), Verdict.WRONG, "gpsd"),
+        (Hearing(None, "9600 baud", ("GPRMC",), has_fix=True), Mark.FINE, ""),
+        (Hearing(None, "9600 baud", ("GPRMC",)), Mark.NOTE, "antenna"),
+        (Hearing("in use by gpsd (process 7)"), Mark.FINE, ""),
+        (Hearing("may not be read, its group (dialout) is needed"), Mark.WRONG, "dialout"),
+        (Hearing("silent", "9600 baud being tried"), Mark.WRONG, "wiring"),
+        (Hearing("sends nothing readable", "9600 baud, u-blox binary only"), Mark.WRONG, "gpsd"),
     ],
 )
-def test_each_finding_has_its_verdict_and_mend(
-    heard: Hearing, verdict: Verdict, words: str
-) -> None:
+def test_each_finding_has_its_verdict_and_mend(heard: Hearing, mark: Mark, words: str) -> None:
     """What a technician is to do next."""
     (found,) = check(heard)
-    assert (found.subject, found.verdict) == ("receiver /dev/ttyUSB0", verdict)
+    assert (found.subject, found.mark) == ("receiver /dev/ttyUSB0", mark)
     assert words in found.mend
 
 
@@ -112,7 +110,7 @@ def test_a_receiver_that_no_table_names_is_shown_with_the_url_to_give(tmp_path: 
     """Other devices are only mentioned: a silent modem is not wrong."""
     speaks = Hearing(None, "4800 baud", ("GPRMC",), has_fix=True)
     _, other = check(speaks, ("/dev/ttyUSB0", "/dev/ttyACM1"))
-    assert (other.subject, other.verdict) == ("serial line /dev/ttyACM1", Verdict.NOTE)
+    assert (other.subject, other.mark) == ("serial line /dev/ttyACM1", Mark.NOTE)
     assert 'url = "serial:///dev/ttyACM1"' in other.mend
     _, silent = check(Hearing("silent"), ("/dev/ttyUSB0", "/dev/ttyACM1"))
-    assert silent.verdict is Verdict.FINE
+    assert silent.mark is Mark.FINE

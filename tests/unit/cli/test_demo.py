@@ -8,11 +8,11 @@ from threading import Thread
 
 import pytest
 
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
+from wayline.ending import Ending
 from wayline.errors import InputError
-from wayline.http_settings import PORTS
+from wayline.services import SERVICES
 from wayline.settings import load_settings
-from wayline.stop import Stop
 from wayline_cli import demo_files, demo_ready
 from wayline_cli.demo import addresses, demo, has_display
 from wayline_cli.demo_files import TRUCK_GPS, Demo, Ports, check_ports, choose_ports, prepare
@@ -22,7 +22,7 @@ from wayline_cli.journal import journal_in
 
 def test_without_a_wish_the_ports_are_the_services_own() -> None:
     ports = choose_ports(None)
-    assert ports.http == {**PORTS, TRUCK_GPS: 8006}
+    assert ports.http == {**{name: row.port for name, row in SERVICES.items()}, TRUCK_GPS: 8006}
     assert (ports.router, ports.rerun) == (7447, 9876)
 
 
@@ -178,10 +178,10 @@ def test_what_is_missing_is_said_after_a_while_and_waiting_can_be_stopped(
 ) -> None:
     monkeypatch.setattr(demo_ready, "PATIENCE_S", 0.0)
     server, made = serving(0)
-    stop = Stop()
-    waiting = await_live(made, stop)
+    ending = Ending()
+    waiting = await_live(made, ending)
     assert next(waiting) == ["b", "c"]
-    stop.request()
+    ending.request()
     assert list(waiting) == []
     server.shutdown()
     server.server_close()

@@ -14,11 +14,12 @@ import pytest
 from wayline.database import open_database
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
+from wayline.live_sources import LiveCan, LiveNmea
 from wayline.router import open_router
-from wayline.settings import BusSettings, LiveCan, LiveNmea, Settings
+from wayline.settings import BusSettings, Settings
 from wayline_can_ingest.diagnosis.opening import try_can
 from wayline_cli import check_network
-from wayline_cli.check import Check, Verdict, attempted, fine, is_well, note, wrong
+from wayline_cli.check import Check, Mark, attempted, fine, is_well, note, wrong
 from wayline_cli.check_can import check_can
 from wayline_cli.check_database import database_finding
 from wayline_cli.check_machine import (
@@ -56,7 +57,7 @@ def test_a_configuration_that_does_not_load_is_the_first_line(tmp_path: Path) ->
     path = tmp_path / "wayline.toml"
     path.write_text("vehicle = 1\n")
     first, *others = doctor(path, {})
-    assert first.verdict is Verdict.WRONG
+    assert first.mark is Mark.WRONG
     assert "vehicle" in first.finding
     assert first.mend
     assert "clock" in by_subject(tuple(others))
@@ -75,7 +76,7 @@ def test_what_the_configuration_names_is_looked_at(tmp_path: Path) -> None:
         database_url=f"sqlite:///{tmp_path}/a.db",
     )
     checks = configured(settings, ["eta", "slope-map"], is_default=False)
-    assert [check.verdict.value for check in checks] == ["fine", "fine", "fine", "wrong", "fine"]
+    assert [check.mark.value for check in checks] == ["fine", "fine", "fine", "wrong", "fine"]
     assert [check.subject for check in checks] == [
         "vehicle", "HTTP", "route", "route", "database of slope-map",
     ]  # fmt: skip
@@ -83,31 +84,31 @@ def test_what_the_configuration_names_is_looked_at(tmp_path: Path) -> None:
 
 
 def test_a_vehicle_without_a_name_is_wrong() -> None:
-    assert check_vehicle(Settings(), ["fusion"]).verdict is Verdict.WRONG
+    assert check_vehicle(Settings(), ["fusion"]).mark is Mark.WRONG
     everyone = Settings(vehicles=("*",))
     assert check_vehicle(everyone, ["fusion"]) == fine("vehicle", "*")
     receiver = LiveNmea(url="serial:///dev/ttyUSB0")
     reading = Settings(vehicles=("*",), nmea=(receiver,))
-    assert check_vehicle(reading, ["gps-ingest"]).verdict is Verdict.WRONG
+    assert check_vehicle(reading, ["gps-ingest"]).mark is Mark.WRONG
 
 
 def test_exposure_without_tokens_is_wrong() -> None:
     settings = Settings(vehicle_id="a", http=HttpSettings(host="0.0.0.0"))
     found = by_subject(tuple(configured(settings, ["eta"], is_default=False)))["HTTP"]
-    assert found.verdict is Verdict.WRONG
+    assert found.mark is Mark.WRONG
     assert "tokens" in found.mend
 
 
 def test_a_slope_map_without_a_database_is_wrong_once_configured() -> None:
     settings = Settings(vehicle_id="a")
-    for is_default, verdict in ((True, Verdict.NOTE), (False, Verdict.WRONG)):
+    for is_default, mark in ((True, Mark.NOTE), (False, Mark.WRONG)):
         checks = configured(settings, ["slope-map"], is_default=is_default)
-        assert checks[-1].verdict is verdict
+        assert checks[-1].mark is mark
 
 
 def test_fusion_without_a_database_is_noted() -> None:
     checks = configured(Settings(vehicle_id="a"), ["fusion"], is_default=False)
-    assert checks[-1].verdict is Verdict.NOTE
+    assert checks[-1].mark is Mark.NOTE
     assert "calibration" in checks[-1].finding
 
 
@@ -161,19 +162,17 @@ def test_a_file_that_is_no_database_is_wrong(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("holder", "verdict", "finding"),
+    ("holder", "mark", "finding"),
     [
-        (None, Verdict.FINE, "free"),
-        ("eta", Verdict.FINE, "wayline eta answers there"),
-        ("fusion", Verdict.WRONG, "taken by wayline fusion"),
-        ("", Verdict.WRONG, "taken by another program"),
+        (None, Mark.FINE, "free"),
+        ("eta", Mark.FINE, "wayline eta answers there"),
+        ("fusion", Mark.WRONG, "taken by wayline fusion"),
+        ("", Mark.WRONG, "taken by another program"),
     ],
 )
-def test_a_port_is_free_or_its_services_own(
-    holder: str | None, verdict: Verdict, finding: str
-) -> None:
+def test_a_port_is_free_or_its_services_own(holder: str | None, mark: Mark, finding: str) -> None:
     (check,) = check_http_ports(Settings(), ["eta"], lambda *_: holder)
-    assert (check.subject, check.verdict, check.finding) == ("port 8001 of eta", verdict, finding)
+    assert (check.subject, check.mark, check.finding) == ("port 8001 of eta", mark, finding)
 
 
 class Answering(BaseHTTPRequestHandler):
@@ -227,12 +226,12 @@ def test_a_router_is_joined_or_given_up_soon(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_router_that_is_not_there_is_wrong_unless_wayline_up_starts_it() -> None:
     bus = BusSettings()
-    for own_router, verdict in ((True, Verdict.NOTE), (False, Verdict.WRONG)):
+    for own_router, mark in ((True, Mark.NOTE), (False, Mark.WRONG)):
         check = check_router(bus, own_router=own_router, open_session=lambda _: "refused")
-        assert check.verdict is verdict
+        assert check.mark is mark
         assert check.mend
     there = check_router(bus, own_router=False, open_session=lambda _: None)
-    assert there.verdict is Verdict.FINE
+    assert there.mark is Mark.FINE
 
 
 def test_can_interfaces_are_opened() -> None:
@@ -240,14 +239,14 @@ def test_can_interfaces_are_opened() -> None:
     bad = LiveCan(interface="socketcan", channel="nocan7", bitrate=250_000)
     unknown = LiveCan(interface="no-such-thing", channel=0)
     found = check_can([good, bad, unknown], try_can)
-    assert [check.verdict.value for check in found] == ["fine", "wrong", "wrong"]
+    assert [check.mark.value for check in found] == ["fine", "wrong", "wrong"]
     assert "ip link set nocan7 up type can bitrate 250000" in found[1].mend
     assert "driver" in found[2].mend
 
 
 def test_missing_packages_are_named_with_their_extra() -> None:
     everything = check_packages(["gps-ingest"], rerun_wanted=True, has=lambda _: True)
-    assert {check.verdict for check in everything} == {Verdict.FINE}
+    assert {check.mark for check in everything} == {Mark.FINE}
     nothing = by_subject(
         tuple(check_packages(["gps-ingest"], rerun_wanted=True, has=lambda _: False))
     )
@@ -255,8 +254,8 @@ def test_missing_packages_are_named_with_their_extra() -> None:
     assert service == wrong(
         "packages of gps-ingest", "pynmea2, serial missing", 'pip install "wayline[gps-ingest]"'
     )
-    assert nothing["package rerun"].verdict is Verdict.WRONG
-    assert nothing["package asammdf"].verdict is Verdict.NOTE
+    assert nothing["package rerun"].mark is Mark.WRONG
+    assert nothing["package asammdf"].mark is Mark.NOTE
 
 
 @pytest.mark.parametrize(
@@ -274,9 +273,9 @@ def test_a_page_that_is_not_built_is_wrong(tmp_path: Path) -> None:
     index = tmp_path / "index.html"
     for node, mend in (("v22.12.0", "run scripts/setup"), (None, "install Node.js")):
         page, tools = check_page(index, node)
-        assert page.verdict is Verdict.WRONG
+        assert page.mark is Mark.WRONG
         assert page.mend.startswith(mend)
-        assert tools.verdict is (Verdict.FINE if node else Verdict.NOTE)
+        assert tools.mark is (Mark.FINE if node else Mark.NOTE)
     index.touch()
     assert is_well(check_page(index, None))
 
@@ -291,18 +290,18 @@ def test_node_is_found_only_where_it_is(monkeypatch: pytest.MonkeyPatch, tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("free_bytes", "verdict"),
-    [(10**8, Verdict.WRONG), (10**9, Verdict.NOTE), (10**10, Verdict.FINE)],
+    ("free_bytes", "mark"),
+    [(10**8, Mark.WRONG), (10**9, Mark.NOTE), (10**10, Mark.FINE)],
 )
-def test_a_full_disk_is_wrong(free_bytes: int, verdict: Verdict) -> None:
-    assert check_disk(Path("/"), free_bytes).verdict is verdict
+def test_a_full_disk_is_wrong(free_bytes: int, mark: Mark) -> None:
+    assert check_disk(Path("/"), free_bytes).mark is mark
 
 
 @pytest.mark.parametrize(
-    ("year", "verdict"), [(1970, Verdict.WRONG), (2027, Verdict.FINE), (2150, Verdict.WRONG)]
+    ("year", "mark"), [(1970, Mark.WRONG), (2027, Mark.FINE), (2150, Mark.WRONG)]
 )
-def test_a_clock_that_cannot_be_right_is_wrong(year: int, verdict: Verdict) -> None:
-    assert check_clock(dt.datetime(year, 5, 1, tzinfo=dt.UTC)).verdict is verdict
+def test_a_clock_that_cannot_be_right_is_wrong(year: int, mark: Mark) -> None:
+    assert check_clock(dt.datetime(year, 5, 1, tzinfo=dt.UTC)).mark is mark
 
 
 def test_the_disk_is_the_databases(tmp_path: Path) -> None:
@@ -313,5 +312,5 @@ def test_the_disk_is_the_databases(tmp_path: Path) -> None:
 
 def test_the_machine_of_these_tests_has_the_packages() -> None:
     subjects = by_subject(tuple(machine(None, ["gps-ingest"])))
-    assert subjects["packages of gps-ingest"].verdict is Verdict.FINE
+    assert subjects["packages of gps-ingest"].mark is Mark.FINE
     assert "page" not in subjects

@@ -11,7 +11,7 @@ from typer.testing import CliRunner, Result
 
 from buses import message
 from ecu import Ecu
-from wayline.drive import load_drive
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.messages import Message, Odometer
 from wayline_can_ingest.diagnosis.findings import arrivals

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from wayline.ending import Ending
 from wayline.errors import InputError
 from wayline.settings import load_settings
-from wayline.stop import Stop
 from wayline_cli.supervisor import GRACE_S, STEADY_S, Action, Order, Supervisor
 from wayline_cli.up import Child, children, keep_running, line_writer
 
@@ -112,7 +112,7 @@ class Running:
     """`keep_running` in a thread, with the lines that its processes say."""
 
     def __init__(self, *stages: list[Child]) -> None:
-        self.stop = Stop()
+        self.stop = Ending()
         self.lines: queue.SimpleQueue[tuple[str, str]] = queue.SimpleQueue()
         self._thread = threading.Thread(
             target=keep_running,

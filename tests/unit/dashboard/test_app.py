@@ -1,12 +1,14 @@
 from pathlib import Path
 
 import pytest
+from fastapi import WebSocketDisconnect
 from fastapi.testclient import TestClient
 
 from browser.shuttle import SECOND_NS, Shuttle
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
 from wayline.messages import Pose
+from wayline.view import Receipt
 from wayline_dashboard.app import create_dashboard
 from wayline_dashboard.live_view import LiveView
 
@@ -27,9 +29,10 @@ def page(tmp_path: Path) -> Path:
 @pytest.fixture
 def live() -> LiveView:
     shuttle = Shuttle(NOW_NS)
-    view = LiveView(clock_ns=lambda: NOW_NS + 5 * SECOND_NS)
-    for message, source in shuttle.messages(0):
-        view.put("shuttle-1", message, source)
+    view = LiveView(monotonic_ns=lambda: 0, wall_ns=lambda: NOW_NS + 5 * SECOND_NS)
+    for vehicle_id in ("shuttle-1", "shuttle-2"):
+        for message, source in shuttle.messages(0):
+            view.put(vehicle_id, message, source, Receipt(0))
     view.put_service("shuttle-1", "fusion", up=True)
     return view
 
@@ -44,17 +47,39 @@ def client(live: LiveView, static: Path, settings: HttpSettings | None = None) -
 def test_the_view_holds_what_the_page_shows(live: LiveView, page: Path) -> None:
     view = client(live, page).get("/v1/view").json()
     assert (view["kind"], view["now"]) == ("snapshot", "2023-11-14T22:13:25.000Z")
-    [vehicle] = view["vehicles"]
+    vehicle, _ = view["vehicles"]
     assert (vehicle["vehicle_id"], vehicle["pose"]["mode"]) == ("shuttle-1", "fused")
     assert vehicle["arrivals"]["stops"][0]["name"] == "College Avenue"
     assert vehicle["services"][0]["up"] is True
+
+
+def test_the_view_holds_the_horizon_and_the_trail_of_the_vehicle_asked_for(
+    live: LiveView, page: Path
+) -> None:
+    http = client(live, page)
+    asked = http.get("/v1/view", params={"vehicle_id": "shuttle-2"}).json()
+    other, selected = asked["vehicles"]
+    assert (asked["selected"], other["vehicle_id"]) == ("shuttle-2", "shuttle-1")
+    assert "horizon" not in other
+    assert "trail" not in other
+    assert len(selected["horizon"]["points"]) == 76
+    assert len(selected["trail"]) == 1
+    assert "horizon" not in str(http.get("/v1/view").json())
+
+
+@pytest.mark.parametrize(("vehicle_id", "status"), [("shuttle-3", 404), ("Shuttle 1", 422)])
+def test_the_view_says_what_is_wrong_with_the_vehicle_asked_for(
+    live: LiveView, page: Path, vehicle_id: str, status: int
+) -> None:
+    answer = client(live, page).get("/v1/view", params={"vehicle_id": vehicle_id})
+    assert (answer.status_code, answer.json()["status"]) == (status, status)
 
 
 def test_a_page_gets_a_snapshot_then_changes(live: LiveView, page: Path) -> None:
     with client(live, page).websocket_connect(LIVE) as websocket:
         assert websocket.receive_json()["kind"] == "snapshot"
         pose = Pose(t_ns=NOW_NS + SECOND_NS, mode="lost", lat_deg=39.9, lon_deg=-75.35)
-        live.put("shuttle-1", pose, "fusion")
+        live.put("shuttle-1", pose, "fusion", Receipt(0))
         changes = websocket.receive_json()
     [vehicle] = changes["vehicles"]
     assert (changes["kind"], vehicle["pose"]["mode"]) == ("changes", "lost")
@@ -123,6 +148,18 @@ def test_a_dashboard_for_everybody_does_not_start_without_tokens(
 ) -> None:
     with pytest.raises(InputError, match="without tokens"):
         client(live, page, HttpSettings(host="0.0.0.0"))
+
+
+def test_metrics_count_pages_that_were_not_understood(live: LiveView, page: Path) -> None:
+    http = client(live, page)
+    with http.websocket_connect(LIVE) as websocket:
+        websocket.receive_json()
+        websocket.send_text("shuttle-1")
+        with pytest.raises(WebSocketDisconnect):
+            websocket.receive_json()
+    with http.websocket_connect(LIVE) as websocket:
+        websocket.receive_json()
+    assert "wayline_dashboard_refused_total 1.0" in http.get("/metrics").text
 
 
 def test_metrics_count_what_came_in_and_who_looks(live: LiveView, page: Path) -> None:

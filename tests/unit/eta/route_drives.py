@@ -8,7 +8,7 @@ import numpy as np
 from wayline.geo import LocalPlane
 from wayline.inputs import Tick
 from wayline.line import Line
-from wayline.messages import Arrivals, Pose, Progress
+from wayline.messages import Arrivals, Message, Pose, Progress
 from wayline.route import Route, make_route
 from wayline.stops import StopPlace
 from wayline_eta.core import EtaCore
@@ -107,7 +107,8 @@ def follow(core: EtaCore, drive: Sequence[tuple[Pose, float]]) -> list[Told]:
     told = []
     for pose, true_m in drive:
         assert core.handle(pose, "fusion") == ()
-        answers = core.handle(Tick(pose.t_ns), "clock")
+        outputs = core.handle(Tick(pose.t_ns), "clock")
+        answers = [output for output in outputs if isinstance(output, Message)]
         if not answers:
             continue
         progress, arrivals = answers

@@ -37,3 +37,10 @@ def test_far_passages_are_left_out() -> None:
     line = line_of([(0, 0), (1000, 0), (1000, 300), (0, 300)])
     found = locally_nearest(line, *TOWN.to_geodetic(500.0, 10.0))
     assert found.alongs_m == pytest.approx([500.0], abs=0.1)
+
+
+@pytest.mark.parametrize(("apart_m", "passages"), [(160.0, 2), (240.0, 1)])
+def test_a_passage_counts_within_200_m_of_the_nearest(apart_m: float, passages: int) -> None:
+    line = line_of([(0, 0), (1000, 0), (1000, apart_m), (0, apart_m)])
+    found = locally_nearest(line, *TOWN.to_geodetic(500.0, 0.0))
+    assert len(found.alongs_m) == passages

@@ -17,8 +17,9 @@ from unit.eta.route_drives import (
     poses,
     route_of,
 )
+from wayline.core import Sleep
 from wayline.inputs import Tick
-from wayline.messages import Arrivals, GpsFix, Pose, Progress
+from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress
 from wayline.route import Route
 from wayline.tuning import Tuning
 from wayline_eta.core import EtaCore, make_eta_core
@@ -226,15 +227,41 @@ def test_between_poses_the_place_goes_on_for_two_seconds_at_most() -> None:
     assert four.distance_m == pytest.approx(310.0, abs=1.0)
 
 
-def test_arrivals_without_a_position_turn_stale_and_then_empty() -> None:
+def told_at(core: EtaCore, t_ns: int, age_ns: int = 0) -> list[Message]:
+    """What a tick brings onto the bus."""
+    return [each for each in core.handle(Tick(t_ns, age_ns), "clock") if isinstance(each, Message)]
+
+
+def test_arrivals_without_a_position_are_told_stale_once_and_then_empty_once() -> None:
     core, last_ns = parked_core()
-    for age_s, stale, stops in [(4, False, 1), (6, True, 1), (359, True, 1), (361, True, 0)]:
-        answers = core.handle(Tick(last_ns + age_s * SECOND_NS), "clock")
-        arrivals = answers[-1]
-        assert isinstance(arrivals, Arrivals)
-        assert (arrivals.stale, len(arrivals.stops)) == (stale, stops)
-        assert len(answers) == (1 if stale else 2)
-        assert all(stop.early_ns >= arrivals.t_ns for stop in arrivals.stops)
+    found = [
+        (age_s, each)
+        for age_s in range(1, 400)
+        for each in told_at(core, last_ns + age_s * SECOND_NS)
+        if isinstance(each, Arrivals)
+    ]
+    fresh, (stale_s, stale), (empty_s, empty) = found[:-2], found[-2], found[-1]
+    assert [(age_s, at.stale, len(at.stops)) for age_s, at in fresh] == [
+        (age_s, False, 1) for age_s in range(1, 6)
+    ]
+    assert (stale_s, stale.stale, len(stale.stops)) == (6, True, 1)
+    assert (empty_s, empty.stale, empty.stops) == (361, True, ())
+    assert {at.position_ns for _, at in found} == {last_ns}
+
+
+def test_a_core_that_has_nothing_to_tell_sleeps_until_it_has() -> None:
+    core, last_ns = parked_core()
+    assert core.handle(Tick(last_ns + 5 * SECOND_NS), "clock")[-1] != Sleep()
+    [_, asleep] = core.handle(Tick(last_ns + 6 * SECOND_NS), "clock")
+    assert asleep == Sleep(last_ns + 360 * SECOND_NS)
+    assert core.handle(Tick(last_ns + 361 * SECOND_NS), "clock")[-1] == Sleep(None)
+
+
+def test_a_pose_that_was_old_when_it_came_is_stale() -> None:
+    core, last_ns = parked_core()
+    [arrivals] = told_at(core, last_ns + SECOND_NS, 10 * SECOND_NS)
+    assert isinstance(arrivals, Arrivals)
+    assert arrivals.stale
 
 
 def test_a_lost_vehicle_has_no_position() -> None:
@@ -242,7 +269,7 @@ def test_a_lost_vehicle_has_no_position() -> None:
     lost = Pose(t_ns=last_ns + 10 * SECOND_NS, mode="lost", lat_deg=39.9, lon_deg=-75.35)
     core.handle(lost, "fusion")
     core.handle(Pose(t_ns=last_ns + 10 * SECOND_NS, mode="starting"), "fusion")
-    [arrivals] = core.handle(Tick(last_ns + 10 * SECOND_NS), "clock")
+    [arrivals] = told_at(core, last_ns + 10 * SECOND_NS)
     assert isinstance(arrivals, Arrivals)
     assert arrivals.stale
 
@@ -250,9 +277,9 @@ def test_a_lost_vehicle_has_no_position() -> None:
 def test_nothing_comes_before_a_match_nor_without_routes_nor_between_seconds() -> None:
     far = Pose(t_ns=START_NS, mode="gps", lat_deg=10.0, lon_deg=10.0, speed_mps=5.0)
     for core in (EtaCore([route_of(SQUARE)], TUNING), EtaCore([], TUNING)):
-        assert core.handle(Tick(START_NS), "clock") == []
+        assert core.handle(Tick(START_NS), "clock") == [Sleep()]
         core.handle(far, "fusion")
-        assert core.handle(Tick(START_NS), "clock") == []
+        assert core.handle(Tick(START_NS), "clock") == [Sleep()]
     core, last_ns = parked_core()
     assert core.handle(Tick(last_ns + SECOND_NS // 10), "clock") == ()
 

@@ -1,5 +1,6 @@
 """The likeliest place, where there is more than one."""
 
+import msgspec
 import pytest
 
 from unit.eta.route_drives import (
@@ -125,6 +126,27 @@ def test_a_fix_after_dead_reckoning_is_news() -> None:
     for second in range(30):
         assert seen(second, 0.0, 4.0 + 2.0 * second) == pytest.approx(200.0, abs=0.1)
     assert seen(30, -140.0, 4.0) == pytest.approx(540.0, abs=0.5)
+
+
+@pytest.mark.parametrize(("more_m", "is_second"), [(650.0, True), (1300.0, False)])
+def test_over_a_kilometre_the_odometer_may_err_by_more_than_over_a_few_metres(
+    more_m: float, is_second: bool
+) -> None:
+    """A street passed twice, 20 m apart: the position says the second time, the distance the first.
+
+    With `more_m` between the passages, 1 km of travel leaves room for 650 m, not for 1300 m.
+    """
+    detour_m = (more_m - 380.0) / 2.0
+    twice: list[Metres] = [
+        (0, 0), (1100, 0), (1100, detour_m), (900, detour_m), (900, 20), (2000, 20),
+    ]  # fmt: skip
+    tracker = PlaceTracker(route_of(twice))
+    [(start, _)] = poses(twice, [10.0])
+    observe(tracker, start)
+    lat_deg, lon_deg = TOWN.to_geodetic(1000.0, 20.0)
+    later = msgspec.structs.replace(start, t_ns=start.t_ns + 100 * SECOND_NS, distance_m=1000.0)
+    place = tracker.observe(later, lat_deg, lon_deg)
+    assert place.total_m == pytest.approx(1000.0 + (more_m if is_second else 0.0), abs=1.0)
 
 
 def pose(distance_m: float, speed_mps: float | None, t_s: int = 0) -> Pose:

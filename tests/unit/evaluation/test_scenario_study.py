@@ -7,16 +7,17 @@ from wayline_evaluation.outages import OutageScore
 from wayline_evaluation.pose_errors import compared
 from wayline_evaluation.scenario_plan import (
     PLANS,
-    Plan,
+    ScenarioPlan,
     StudyDrive,
     first_seed,
     outages_within,
     study_drives,
 )
-from wayline_evaluation.scenario_study import BARS, Studied
+from wayline_evaluation.scenario_study import BARS
 from wayline_evaluation.scenario_table import HEADER, markdown, yardstick_lines
+from wayline_evaluation.studied import Studied
 from wayline_evaluation.study import main
-from wayline_simulator.scenario import shipped_scenarios
+from wayline_simulator.scenario_file import shipped_scenarios
 
 
 def score(name: str, horizontal_m: float) -> OutageScore:
@@ -44,7 +45,7 @@ def studied(seed: int, pull_m: float) -> Studied:
         "yardstick": compared(off(truth, right_m=1.0), truth),
     }
     scores = (score("fusion", 30.0), score("yardstick", 20.0))
-    drive = StudyDrive("town", seed, Plan())
+    drive = StudyDrive("town", seed, ScenarioPlan())
     return Studied(drive, 1000.0, errors, scores, errors, {"pull, m": pull_m})
 
 
@@ -94,7 +95,7 @@ def test_a_study_simulates_replays_and_scores(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """From end to end on a short road: a row beside the yardstick, and files beside the drives."""
-    monkeypatch.setitem(PLANS, "town", Plan(length_m=1500.0))
+    monkeypatch.setitem(PLANS, "town", ScenarioPlan(length_m=1500.0))
     main([str(tmp_path), "--quick", "--only", "town"])
     printed = capsys.readouterr().out
     assert "| town | 1, 2 |" in printed

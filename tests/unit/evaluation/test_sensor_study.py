@@ -33,7 +33,7 @@ from wayline_simulator.drive_folder import simulate
 from wayline_simulator.gps import GpsModel
 from wayline_simulator.gyro import GyroModel
 from wayline_simulator.noise import gauss_markov, in_steps
-from wayline_simulator.road import RoadModel
+from wayline_simulator.road_model import RoadModel
 from wayline_simulator.scenario import Scenario
 
 NOTHING = Series(np.empty(0), np.empty(0))

@@ -31,10 +31,12 @@ def gsa(mode: int = 3) -> str:
     return line(f"GPGSA,A,{mode},04,05,,09,12,,,24,,,,,2.5,1.3,2.1")
 
 
-def hear(core: GpsIngestCore, texts: Iterable[str], arrival_ns: int | None = None) -> list[Message]:
+def hear(
+    core: GpsIngestCore, texts: Iterable[str], received_ns: int | None = None
+) -> list[Message]:
     """What a core makes of sentences, one at a time."""
     return [
-        message for text in texts for message in core.handle(Sentence(arrival_ns, text), "test")
+        message for text in texts for message in core.handle(Sentence(received_ns, text), "test")
     ]
 
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from unit.gps_ingest.receiver import fixes, flush, gga, hear, line, rmc
 from wayline_gps_ingest.core import GpsIngestCore
-from wayline_gps_ingest.steady_clock import SteadyClock
-from wayline_gps_ingest.timeline import SECOND_NS
+from wayline_gps_ingest.dates import SECOND_NS
+from wayline_gps_ingest.onward_clock import OnwardClock
 
 
 def instant_ns(text: str) -> int:
@@ -115,14 +115,14 @@ def test_one_corrupt_date_does_not_move_time_ahead() -> None:
 
 
 def test_a_step_ahead_that_the_next_fix_confirms_is_followed() -> None:
-    clock = SteadyClock()
+    clock = OnwardClock()
     year_ns = 365 * 86_400 * SECOND_NS
     instants = (0, year_ns, year_ns + SECOND_NS, year_ns + 2 * SECOND_NS)
     assert [clock.fixed_ns(each) for each in instants] == [0, None, *instants[2:]]
 
 
 def test_a_clock_that_steps_far_back_is_moved_on_until_it_returns() -> None:
-    clock = SteadyClock()
+    clock = OnwardClock()
     hour_ns = 3600 * SECOND_NS
     raw = (hour_ns, 0, SECOND_NS, hour_ns + 10 * SECOND_NS)
     assert [clock.fixed_ns(each) for each in raw] == [
@@ -146,7 +146,7 @@ def test_a_small_step_back_keeps_every_fix_in_order_and_is_caught_up(
     tenth_ns = SECOND_NS // 10
     raw = [10**9, *accumulate(before, initial=10**9 + 1)]
     raw += list(accumulate(after, initial=raw[-1] - back))
-    clock = SteadyClock()
+    clock = OnwardClock()
     out = [clock.fixed_ns(tenths * tenth_ns) for tenths in raw]
     told = [t_ns for t_ns in out if t_ns is not None]
     assert len(told) >= len(raw) - 1  # the very instant told before is not told again
@@ -157,7 +157,7 @@ def test_a_small_step_back_keeps_every_fix_in_order_and_is_caught_up(
 
 @pytest.mark.parametrize("raw_ns", [-1, 0, 3601 * SECOND_NS])
 def test_an_epoch_without_a_fix_never_moves_time_far(raw_ns: int) -> None:
-    clock = SteadyClock()
+    clock = OnwardClock()
     clock.fixed_ns(0)
     assert clock.unfixed_ns(raw_ns) is None
 

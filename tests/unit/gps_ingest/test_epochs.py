@@ -96,9 +96,9 @@ def test_a_cycle_whose_last_sentence_is_missing_is_published_with_the_next() -> 
 @pytest.mark.parametrize(("waited_ns", "published"), [(999_999_999, 0), (1_000_000_000, 1)])
 def test_a_tick_a_second_after_arrival_closes_an_epoch(waited_ns: int, published: int) -> None:
     core = GpsIngestCore()
-    arrival_ns = 764_424_000_300_000_000
-    hear(core, cycle("120000"), arrival_ns)
-    assert len(fixes(core.handle(Tick(arrival_ns + waited_ns), "test"))) == published
+    received_ns = 764_424_000_300_000_000
+    hear(core, cycle("120000"), received_ns)
+    assert len(fixes(core.handle(Tick(received_ns + waited_ns), "test"))) == published
 
 
 def test_without_arrival_times_a_tick_counts_from_the_epoch() -> None:

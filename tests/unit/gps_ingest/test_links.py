@@ -3,7 +3,7 @@
 import pytest
 
 from wayline.errors import InputError
-from wayline.settings import LiveNmea
+from wayline.live_sources import LiveNmea
 from wayline_gps_ingest.links import address_of
 
 

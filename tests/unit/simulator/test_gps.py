@@ -7,7 +7,7 @@ from unit.simulator.gps_journeys import START_S, drive
 from wayline.geo import WGS84
 from wayline_simulator.course import Surroundings
 from wayline_simulator.gps import Fixes, GpsModel, measure_fixes
-from wayline_simulator.gps_events import Displacement, GpsEvents, Outage
+from wayline_simulator.gps_events import DisplacedFixes, GpsEvents, Outage
 from wayline_simulator.journey import Floats, Journey
 
 CLEAN: dict[str, Any] = {
@@ -176,7 +176,7 @@ def test_a_cold_start_is_blind_then_wild() -> None:
 def test_a_displacement_moves_fixes_together() -> None:
     """All of a span by the same vector, and no other."""
     events = GpsEvents(
-        displacements=(Displacement(start_s=50.0, length_s=3.0, east_m=80.0, north_m=-40.0),)
+        displacements=(DisplacedFixes(start_s=50.0, length_s=3.0, east_m=80.0, north_m=-40.0),)
     )
     journey = drive(15.0, 100.0)
     east_m, north_m, _ = offsets_m(journey, measured(journey, events, **CLEAN))

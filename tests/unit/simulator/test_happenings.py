@@ -5,7 +5,7 @@ import pytest
 
 from unit.simulator.journeys import WHEEL_RADIUS_M, cruise
 from wayline_simulator.course import Surroundings
-from wayline_simulator.gps_events import Displacement, GpsEvents
+from wayline_simulator.gps_events import DisplacedFixes, GpsEvents
 from wayline_simulator.happenings import Happenings, happenings
 from wayline_simulator.journey import MOTION_STEP_S, Floats
 
@@ -51,7 +51,7 @@ def test_surroundings_are_told_by_their_changes() -> None:
 
 def test_fixes_that_an_event_moves_are_told() -> None:
     """By their timestamps."""
-    event = Displacement(start_s=50.0, length_s=1.0, east_m=5.0)
+    event = DisplacedFixes(start_s=50.0, length_s=1.0, east_m=5.0)
     told = drive(events=GpsEvents(displacements=(event,)))
     assert [tuple(span) for span in told.displaced] == [
         pytest.approx((START_S + 50.0, START_S + 51.0), abs=1e-3)

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from unit.simulator.journeys import WHEEL_RADIUS_M, course, cruise, journey, standing
-from wayline.drive import Vehicle, load_drive
+from wayline.drive import Vehicle
+from wayline.drive_file import load_drive
 from wayline.messages import Gyro, Message, Odometer
 from wayline_can_ingest.recorded import recordings
 from wayline_simulator import gyro, odometer, torque

@@ -165,7 +165,7 @@ def test_statistics_survive_the_whole_chain(tmp_path: Path) -> None:
     path = tmp_path / "gps.nmea"
     path.write_bytes(b"".join(b"%.3f %s\r\n" % (line.arrival_s, line.text) for line in lines))
     drive_file = Drive(drive=DriveInfo(vehicle_id="car"), nmea=(NmeaSource(path=str(path)),))
-    recording = recordings(drive_file)[0]
+    recording = recordings(drive_file, "drive.toml")[0]
     got = [message for _, message in recording.messages if isinstance(message, GpsFix)]
     assert len(got) == 36_001
     truth = journey.at(fixes.described_s)

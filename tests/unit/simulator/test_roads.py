@@ -10,7 +10,8 @@ from wayline_simulator.alignment import Bend, length_of, sample, straight
 from wayline_simulator.closing import gap_of
 from wayline_simulator.country_road import HILLS, MAIN, MOTORWAY, Design
 from wayline_simulator.course import STEP_M, Course, Floats, Surroundings, repeated
-from wayline_simulator.road import Kind, RoadModel, make_course
+from wayline_simulator.road import make_course
+from wayline_simulator.road_model import Kind, RoadModel
 from wayline_simulator.road_plan import Stretch
 from wayline_simulator.vertical_alignment import Relief, rolling_grade
 

@@ -9,11 +9,12 @@ import pytest
 
 from wayline.errors import InputError
 from wayline.line import Line
-from wayline.route import load_route, write_route
+from wayline.route_file import load_route, write_route
 from wayline_simulator.closing import gap_of
 from wayline_simulator.course import Course
 from wayline_simulator.course_route import route_of
-from wayline_simulator.road import Kind, RoadModel, make_course
+from wayline_simulator.road import make_course
+from wayline_simulator.road_model import Kind, RoadModel
 
 LAT_DEG, LON_DEG = 59.0, 17.0
 NORTH_DEG, EAST_DEG = 1.0 / 111_389.0, 1.0 / 57_474.0

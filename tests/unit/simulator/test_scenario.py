@@ -10,13 +10,8 @@ from wayline_cli.__main__ import app
 from wayline_simulator.course import repeated
 from wayline_simulator.presets import PRESETS
 from wayline_simulator.road import make_course
-from wayline_simulator.scenario import (
-    SHIPPED,
-    Scenario,
-    load_scenario,
-    overlaid,
-    shipped_scenarios,
-)
+from wayline_simulator.scenario import Scenario, overlaid
+from wayline_simulator.scenario_file import SHIPPED, load_scenario, shipped_scenarios
 from wayline_simulator.simulation import simulate_run
 
 SHORT = {"kind": "main", "length_m": 3000.0}

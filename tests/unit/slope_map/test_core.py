@@ -15,6 +15,7 @@ from unit.slope_map.hilly_road import (
     true_alt_m,
     true_grade_pct,
 )
+from wayline.core import Sleep
 from wayline.inputs import Flush, Tick
 from wayline.line import Line
 from wayline.messages import Horizon, Pose
@@ -211,13 +212,61 @@ def test_a_learned_road_is_on_the_horizon_from_then_on(first_run: FinishedRun) -
     assert horizons(learning, later)[-1].road_id == first_run.road.road_id
 
 
-def test_without_a_fresh_pose_there_is_no_road_ahead(first_run: FinishedRun) -> None:
+def test_without_a_fresh_pose_the_horizon_ends_with_an_empty_one(first_run: FinishedRun) -> None:
     knowing = core(profiles=[profile_of(first_run)])
     for message in drive(seed=9, length_m=500.0)[:-1]:
         knowing.handle(message, "test")
-    (late,) = knowing.handle(Tick(START_NS + 60 * SECOND_NS), "test")
+    late, asleep = knowing.handle(Tick(START_NS + 60 * SECOND_NS), "test")
     assert isinstance(late, Horizon)
-    assert (late.road_id, late.points) == (None, ())
+    assert (late.road_id, late.points, asleep) == (None, (), Sleep())
+    assert knowing.handle(Tick(START_NS + 61 * SECOND_NS), "test") == [Sleep()]
+
+
+def test_a_pose_that_was_old_when_it_came_has_no_road_ahead(first_run: FinishedRun) -> None:
+    knowing = core(profiles=[profile_of(first_run)])
+    messages = drive(seed=9, length_m=500.0)
+    last = max((each for each in messages if isinstance(each, Pose)), key=lambda pose: pose.t_ns)
+    for message in messages[:-1]:
+        knowing.handle(message, "test")
+    tick_ns = -(-last.t_ns // SECOND_NS) * SECOND_NS
+    (fresh,) = knowing.handle(Tick(tick_ns), "test")
+    assert isinstance(fresh, Horizon)
+    assert fresh.road_id is not None
+    ended, _ = knowing.handle(Tick(tick_ns, age_ns=3600 * SECOND_NS), "test")
+    assert isinstance(ended, Horizon)
+    assert ended.road_id is None
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_horizon_tells_the_way_of_travel(first_run: FinishedRun, backwards: bool) -> None:
+    knowing = core(profiles=[profile_of(first_run)])
+    seen = horizons(knowing, drive(seed=9, length_m=2000.0, backwards=backwards))
+    assert {at.direction for at in seen if at.road_id} == {-1 if backwards else 1}
+
+
+def test_on_a_loop_a_vehicle_that_cannot_be_placed_is_carried_on_past_the_seam() -> None:
+    first = runs_of(
+        core(), drive(seed=6, length_m=1.5 * RING_M, path=ring(RING_M), grade_of=lambda d: d)
+    )[0]
+    knowing = core(profiles=[profile_of(first)])
+    length_m = first.road.line.length_m
+    lat_deg, lon_deg, heading_deg = first.road.line.point_at(length_m - 20.0)
+    placed = Pose(
+        t_ns=START_NS,
+        mode="fused",
+        lat_deg=lat_deg,
+        lon_deg=lon_deg,
+        heading_deg=heading_deg,
+        speed_mps=10.0,
+    )
+    knowing.handle(placed, "fusion")
+    unsure = msgspec.structs.replace(
+        placed, t_ns=START_NS + SECOND_NS, distance_m=60.0, east_std_m=99.0
+    )
+    knowing.handle(unsure, "fusion")
+    (ahead,) = knowing.handle(Tick(START_NS + SECOND_NS), "clock")
+    assert isinstance(ahead, Horizon)
+    assert ahead.position_m == pytest.approx(40.0, abs=1.0)
 
 
 def test_a_silence_or_a_restart_of_fusion_ends_a_run() -> None:
@@ -239,6 +288,43 @@ def test_a_parked_vehicles_run_ends_once_though_poses_go_on() -> None:
     ]
     assert len(runs_of(core(), [*whole, *standing[:120]])) == 0
     assert len(runs_of(core(), [*whole, *standing])) == 1
+
+
+@pytest.mark.parametrize(("creep_mps", "runs"), [(0.07, 1), (0.15, 0)])
+def test_a_standing_vehicles_distance_may_creep_by_30_m_while_it_parks(
+    creep_mps: float, runs: int
+) -> None:
+    """In five minutes 21 m are noise; 45 m are a queue that moves."""
+    whole = drive(seed=10, length_m=2000.0)[:-1]
+    last = next(message for message in reversed(whole) if isinstance(message, Pose))
+    creeping = [
+        msgspec.structs.replace(
+            last,
+            t_ns=last.t_ns + second * SECOND_NS,
+            distance_m=last.distance_m + second * creep_mps,
+        )
+        for second in range(1, 800)
+    ]
+    assert len(runs_of(core(), [*whole, *creeping])) == runs
+
+
+@pytest.mark.parametrize(("unplaced_m", "is_ahead"), [(100.0, True), (200.0, False)])
+def test_a_vehicle_that_cannot_be_placed_is_carried_on_for_150_m(
+    first_run: FinishedRun, unplaced_m: float, is_ahead: bool
+) -> None:
+    """Farther on it may have left its road, and nothing is told of what lies ahead."""
+    knowing = core(profiles=[profile_of(first_run)])
+    messages = drive(seed=9, length_m=500.0)[:-1]
+    for message in messages:
+        knowing.handle(message, "test")
+    last = next(message for message in reversed(messages) if isinstance(message, Pose))
+    t_ns = (last.t_ns // SECOND_NS + 1) * SECOND_NS
+    travelled_m = last.distance_m + unplaced_m
+    unsure = msgspec.structs.replace(last, t_ns=t_ns, distance_m=travelled_m, east_std_m=99.0)
+    knowing.handle(unsure, "fusion")
+    (horizon,) = knowing.handle(Tick(t_ns), "clock")
+    assert isinstance(horizon, Horizon)
+    assert (horizon.road_id is not None) is is_ahead
 
 
 def test_poses_without_a_place_and_input_without_poses_make_no_run() -> None:

@@ -14,6 +14,7 @@ from unit.slope_map.hilly_road import (
 )
 from wayline.messages import Gyro, Horizon, Message, Pose
 from wayline.query_error import QueryError
+from wayline.view import Receipt
 from wayline_slope_map.book import SlopeBook
 from wayline_slope_map.profile import RoadProfile, lookahead
 from wayline_slope_map.queries import answer_lookahead
@@ -74,6 +75,9 @@ def test_a_query_gets_what_http_gets(book: SlopeBook, profile: RoadProfile) -> N
     assert (refused.value.status, refused.value.parameter) == (422, "step_m")
 
 
+HEARD = Receipt(NOW_NS)
+
+
 def heard(book: SlopeBook, profile: RoadProfile, *, backwards: bool = False) -> Horizon:
     """Drive 60 s over the known road; the last horizon that was made on a whole second."""
     knowing, last = core(profiles=[profile]), None
@@ -81,7 +85,7 @@ def heard(book: SlopeBook, profile: RoadProfile, *, backwards: bool = False) -> 
     for message in drive(seed=9, length_m=900.0, start_ns=later_ns, backwards=backwards):
         for output in [message, *knowing.handle(message, "test")]:
             if isinstance(output, Pose | Horizon):
-                book.put("car", output, "test")
+                book.put("car", output, "test", HEARD)
                 last = output if isinstance(output, Horizon) else last
                 if isinstance(output, Horizon) and output.t_ns >= later_ns + 50 * SECOND_NS:
                     return output
@@ -105,13 +109,13 @@ def test_a_vehicles_lookahead_is_its_horizon(
 def test_between_horizons_a_vehicle_is_carried_on(book: SlopeBook, profile: RoadProfile) -> None:
     horizon = heard(book, profile)
     pose = Pose(t_ns=horizon.t_ns, mode="fused", distance_m=750.0 + 12.0)
-    book.put("car", pose, "fusion")
+    book.put("car", pose, "fusion", HEARD)
     answer = asked(book, "/v1/vehicles/car/lookahead", length_m=100, step_m=50)
     assert horizon.position_m is not None
     assert answer["position_m"] == pytest.approx(horizon.position_m + 12.0, abs=1e-6)
     assert [at["distance_m"] for at in answer["points"]] == [0.0, 50.0, 100.0]
     restarted = msgspec.structs.replace(pose, distance_m=0.0)
-    book.put("car", restarted, "fusion")
+    book.put("car", restarted, "fusion", HEARD)
     assert asked(book, "/v1/vehicles/car/lookahead")["position_m"] == horizon.position_m
 
 
@@ -119,35 +123,34 @@ def test_a_vehicle_is_carried_to_the_end_of_its_road_and_no_further(
     book: SlopeBook, profile: RoadProfile
 ) -> None:
     horizon = heard(book, profile)
-    book.put("car", Pose(t_ns=horizon.t_ns, mode="fused", distance_m=9e4), "fusion")
+    book.put("car", Pose(t_ns=horizon.t_ns, mode="fused", distance_m=9e4), "fusion", HEARD)
     answer = asked(book, "/v1/vehicles/car/lookahead")
     assert answer["position_m"] == profile.road.line.length_m
 
 
-def test_a_vehicle_in_reverse_goes_tail_first(book: SlopeBook, profile: RoadProfile) -> None:
+def test_a_vehicle_goes_the_way_that_its_horizon_says(
+    book: SlopeBook, profile: RoadProfile
+) -> None:
+    """The core has decided, in reverse too: the pose is not asked again."""
     lat_deg, lon_deg, heading_deg = profile.road.line.point_at(500.0)
     pose = Pose(
-        t_ns=START_NS,
-        mode="fused",
-        lat_deg=lat_deg,
-        lon_deg=lon_deg,
-        heading_deg=heading_deg,
-        speed_mps=-1.0,
+        t_ns=START_NS, mode="fused", lat_deg=lat_deg, lon_deg=lon_deg, heading_deg=heading_deg
     )
-    book.put("car", pose, "fusion")
-    horizon = Horizon(t_ns=START_NS, road_id=profile.road.road_id, position_m=500.0)
-    book.put("car", horizon, "slope-map")
+    book.put("car", pose, "fusion", HEARD)
+    road_id = profile.road.road_id
+    horizon = Horizon(t_ns=START_NS, road_id=road_id, direction=-1, position_m=500.0)
+    book.put("car", horizon, "slope-map", HEARD)
     assert asked(book, "/v1/vehicles/car/lookahead")["direction"] == "backward"
 
 
 def test_a_vehicle_on_no_road_has_null_and_its_age(profile: RoadProfile) -> None:
     now_ns = [NOW_NS]
     book = SlopeBook([profile], lambda: now_ns[0])
-    book.put("car", Pose(t_ns=START_NS, mode="starting"), "fusion")
+    book.put("car", Pose(t_ns=START_NS, mode="starting"), "fusion", HEARD)
     now_ns[0] += 1500 * SECOND_NS // 1000
     for message in (Horizon(t_ns=START_NS), Gyro(t_ns=START_NS, yaw_rate_degps=1.0)):
         unknown: Message = message
-        book.put("car", unknown, "x")
+        book.put("car", unknown, "x", HEARD)
         answer = asked(book, "/v1/vehicles/car/lookahead", length_m=20)
         assert (answer["road_id"], answer["age_s"]) == (None, 1.5)
         assert [at["grade_pct"] for at in answer["points"]] == [None, None]
@@ -168,10 +171,12 @@ def test_a_loop_goes_on_after_its_end() -> None:
         heading_deg=heading_deg,
         distance_m=10.0,
     )
-    book.put("car", pose, "fusion")
-    horizon = Horizon(t_ns=START_NS, road_id=profile.road.road_id, position_m=length_m - 30.0)
-    book.put("car", horizon, "slope-map")
-    book.put("car", msgspec.structs.replace(pose, distance_m=60.0), "fusion")
+    book.put("car", pose, "fusion", HEARD)
+    horizon = Horizon(
+        t_ns=START_NS, road_id=profile.road.road_id, direction=1, position_m=length_m - 30.0
+    )
+    book.put("car", horizon, "slope-map", HEARD)
+    book.put("car", msgspec.structs.replace(pose, distance_m=60.0), "fusion", HEARD)
     answer = asked(book, "/v1/vehicles/car/lookahead")
     assert answer["position_m"] == pytest.approx(20.0, abs=1e-6)
 

@@ -120,3 +120,13 @@ def test_the_own_route_goes_before_a_nearer_road() -> None:
     assert chosen([street, route], street, 10.0, "7") == route
     assert chosen([street, route], None, 10.0, None) == street
     assert chosen([], street, 10.0, "7") is None
+
+
+@pytest.mark.parametrize(("apart_m", "goes_on"), [(25.0, True), (45.0, False)])
+def test_a_road_goes_on_where_the_distance_puts_it_within_30_m(
+    apart_m: float, goes_on: bool
+) -> None:
+    """After 10 m there are 2 m more; farther off, the nearer road is the one."""
+    last = Match("road-1", 1, 100.0, 5.0)
+    same, other = Match("road-1", 1, 110.0 + apart_m, 20.0), Match("road-2", 1, 50.0, 1.0)
+    assert chosen([same, other], last, 10.0) == (same if goes_on else other)

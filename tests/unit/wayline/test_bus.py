@@ -17,6 +17,7 @@ from wayline.node import Node
 from wayline.pipeline import Pipeline
 
 TENTH_NS = 100_000_000
+SATELLITES = ['{"system":"gps","prn":1}'] * 2_001
 
 
 def test_every_message_survives_the_codec() -> None:
@@ -29,30 +30,46 @@ def test_unknown_is_null_on_the_wire() -> None:
 
 
 def test_unknown_fields_are_ignored_and_new_ones_have_defaults() -> None:
-    payload = b'{"t_ns":5,"yaw_rate_degps":1.0,"from_the_future":true}'
-    assert decode("gyro", payload) == Gyro(t_ns=5, yaw_rate_degps=1.0)
+    payload = b'{"t_ns":%d,"yaw_rate_degps":1.0,"from_the_future":true}' % at(0)
+    assert decode("gyro", payload) == Gyro(t_ns=at(0), yaw_rate_degps=1.0)
 
 
 @pytest.mark.parametrize(
     ("topic", "payload"),
     [
-        ("gyro", b"{"),
-        ("gyro", b'{"yaw_rate_degps":1.0}'),
-        ("gps_fix", b'{"t_ns":5,"valid":true,"lat_deg":91.0}'),
-        ("gps_fix", b'{"t_ns":5,"valid":true,"course_deg":360.0}'),
-        ("gps_fix", b'{"t_ns":5,"valid":true,"h_std_m":0.0}'),
-        ("odometer", b'{"t_ns":5,"speed_mps":-1.0}'),
-        ("pose", b'{"t_ns":5,"mode":"flying"}'),
+        ("gyro", "{"),
+        ("gyro", '{"yaw_rate_degps":1.0}'),
+        ("gyro", '{"t_ns":315532799999999999}'),
+        ("gyro", '{"t_ns":4102444800000000001}'),
+        ("gps_fix", '{"t_ns":NOW,"valid":true,"lat_deg":91.0}'),
+        ("gps_fix", '{"t_ns":NOW,"valid":true,"course_deg":360.0}'),
+        ("gps_fix", '{"t_ns":NOW,"valid":true,"h_std_m":0.0}'),
+        ("gps_fix", '{"t_ns":NOW,"valid":true,"speed_mps":200.1}'),
+        ("odometer", '{"t_ns":NOW,"speed_mps":-1.0}'),
+        ("odometer", '{"t_ns":NOW,"speed_mps":200.1}'),
+        ("pose", '{"t_ns":NOW,"mode":"flying"}'),
+        ("pose", '{"t_ns":NOW,"mode":"gps","speed_mps":-200.1}'),
+        ("pose", '{"t_ns":NOW,"mode":"gps","east_std_m":1.1e7}'),
+        ("pose", '{"t_ns":NOW,"mode":"gps","of_no_use":"' + "x" * 524_288 + '"}'),
+        ("arrivals", '{"t_ns":NOW,"stale":false,"route_id":"' + "x" * 257 + '"}'),
+        ("gps_sky", '{"t_ns":NOW,"satellites":[' + ",".join(SATELLITES) + "]}"),
     ],
 )
-def test_a_payload_out_of_bounds_is_refused(topic: str, payload: bytes) -> None:
+def test_a_payload_out_of_bounds_is_refused(topic: str, payload: str) -> None:
     with pytest.raises(msgspec.DecodeError):
-        decode(topic, payload)
+        decode(topic, payload.replace("NOW", f"{at(0)}").encode())
+
+
+def test_a_payload_within_its_bounds_is_read() -> None:
+    widest = '{"t_ns":NOW,"mode":"gps","speed_mps":-200.0,"east_std_m":1e7}'
+    assert decode("pose", widest.replace("NOW", f"{at(0)}").encode()).t_ns == at(0)
+    most = '{"t_ns":NOW,"satellites":[' + ",".join(SATELLITES[1:]) + "]}"
+    assert decode("gps_sky", most.replace("NOW", f"{at(0)}").encode()).t_ns == at(0)
 
 
 def test_keys_are_read_back() -> None:
     key = message_key("bus-7", "pose", "fusion")
-    assert key == "wayline/@v1/bus-7/pose/fusion"
+    assert key == "wayline/v1/bus-7/pose/fusion"
     assert parse_key(key) == Key("bus-7", "pose", "fusion")
 
 
@@ -60,9 +77,9 @@ def test_keys_are_read_back() -> None:
     "key",
     [
         "wayline/@v2/bus-7/pose/fusion",
-        "wayline/@v1/Bus/pose/fusion",
-        "wayline/@v1/bus-7/unknown/fusion",
-        "wayline/@v1/bus-7/pose",
+        "wayline/v1/Bus/pose/fusion",
+        "wayline/v1/bus-7/unknown/fusion",
+        "wayline/v1/bus-7/pose",
         alive_key("bus-7", "fusion"),
     ],
 )

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from wayline.drive import Vehicle, load_drive
+from wayline.drive import Vehicle
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.topics_doc import render
 

@@ -7,8 +7,9 @@ from fastapi.testclient import TestClient
 from prometheus_client import CollectorRegistry, Counter
 from starlette.testclient import WebSocketDenialResponse
 
+from wayline import __version__
 from wayline.errors import InputError
-from wayline.http import Healthz, JsonAnswer, answers, create_app
+from wayline.http import Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_guard import TOKEN_PROTOCOL, is_known
 from wayline.http_settings import HttpSettings, check_exposure
 
@@ -23,11 +24,10 @@ class Answer(msgspec.Struct):
 def make_app(settings: HttpSettings | None = None, ok: bool = True) -> FastAPI:
     registry = CollectorRegistry()
     Counter("wayline_tries", "Tries", registry=registry).inc(3)
-    app = create_app(
-        title="Test",
-        version="1.2.3",
+    app = create_service_app(
+        "test",
+        settings or HttpSettings(),
         healthz=lambda: Healthz(ok=ok, service="test", version="1.2.3", detail="no disk"),
-        settings=settings or HttpSettings(),
         registry=registry,
         structs=(Answer,),
         is_open=lambda path: path == "/page",
@@ -260,3 +260,14 @@ def test_what_is_safe_is_accepted(settings: HttpSettings) -> None:
 def test_a_token_that_no_header_can_carry_is_refused(token: str) -> None:
     with pytest.raises(msgspec.ValidationError, match="tokens"):
         msgspec.convert({"tokens": [token]}, HttpSettings)
+
+
+def test_a_service_without_a_loop_says_its_name_and_that_it_works() -> None:
+    client = TestClient(create_service_app("slope-map", HttpSettings()), base_url=LOCAL)
+    answer = client.get("/healthz")
+    found = {key: answer.json()[key] for key in ("ok", "service", "version")}
+    assert (answer.status_code, found) == (
+        200, {"ok": True, "service": "slope-map", "version": __version__},
+    )  # fmt: skip
+    information = client.get("/openapi.json").json()["info"]
+    assert information == {"title": "Wayline slope-map", "version": __version__}

@@ -12,9 +12,9 @@ import pytest
 import zenoh
 
 from builders import START_NS, at, gyro
-from wayline.arrival import Recording
 from wayline.play_clock import PlayClock, agree, combined
 from wayline.playback import PAUSE_NS, Playback, Played, PlayOptions
+from wayline.received import Recording
 
 FAST = 1e6
 WAIT_S = 10.0

@@ -10,7 +10,8 @@ import pytest
 from wayline.errors import InputError
 from wayline.geo import LocalPlane
 from wayline.line import Line
-from wayline.route import DEFAULT_SPEED_MPS, Route, load_route, write_route
+from wayline.route import DEFAULT_SPEED_MPS, Route
+from wayline.route_file import load_route, write_route
 from wayline.stops import StopPlace, place_stops
 
 DEMO_ROUTE = Path(__file__).parents[3] / "deploy" / "demo" / "avl-shuttle" / "route.geojson"

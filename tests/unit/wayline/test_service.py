@@ -3,12 +3,10 @@
 The session is a real one that reaches nobody but itself.
 """
 
-import json
 import queue
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 import msgspec
@@ -16,22 +14,20 @@ import pytest
 import zenoh
 
 from builders import at, fix, gyro
-from wayline.bus import Publishers, Subscription
-from wayline.codec import encode
+from loops import WAIT_S, Run, Running
+from wayline.bus import Subscription
 from wayline.core import Record
 from wayline.errors import InputError
 from wayline.inbox import Inbox, Item
 from wayline.inputs import Flush, Sentence, Tick
 from wayline.keys import FLEET, alive_key, message_key
-from wayline.messages import GpsFix, Gyro, Health, Message, Odometer
+from wayline.messages import GpsFix, Gyro, Health, Message, Odometer, Pose
 from wayline.node import Node
 from wayline.playback import Played
-from wayline.service import Feed, Loop, Service
+from wayline.service import Feed, Service
 from wayline.settings import Settings
-from wayline.stop import Stop
-from wayline_cli.listener import Listener
+from wayline.view import Receipt
 
-WAIT_S = 10.0
 TENTH_NS = 100_000_000
 ONE = Settings(vehicle_id="bus-7")
 ALL = Settings(vehicles=("*",))
@@ -89,91 +85,13 @@ def echo(*feeds: Feed) -> Service:
     )
 
 
-@pytest.fixture
-def session() -> Iterator[zenoh.Session]:
-    config = zenoh.Config()
-    config.insert_json5("listen/endpoints", json.dumps([]))
-    config.insert_json5("scouting/multicast/enabled", "false")
-    config.insert_json5("timestamping/enabled", "true")
-    with zenoh.open(config) as opened:
-        yield opened
-
-
-class Running:
-    """A loop in a thread, the bus around it."""
-
-    def __init__(self, session: zenoh.Session, service: Service, settings: Settings) -> None:
-        self._threads = ThreadPoolExecutor(1)
-        self._stop = Stop()
-        self._publishers = Publishers(session)
-        home = settings.vehicle_id or FLEET
-        self.listener = Listener(session, "*", ["odometer", "gyro", "health"])
-        self._ended: Future[None] = self._threads.submit(
-            Loop(service, settings, session, self._stop).run
-        )
-        self.home = home
-
-    def await_start(self) -> None:
-        self.listener.await_message("health", timeout_s=WAIT_S)
-
-    def put(self, message: Message, vehicle_id: str = "bus-7") -> None:
-        self.put_payload(encode(message), message.topic, vehicle_id)
-
-    def put_payload(self, payload: bytes, topic: str, vehicle_id: str = "bus-7") -> None:
-        self._publishers.put(vehicle_id, topic, "test", payload)
-
-    def await_odometer(self, t_ns: int, speed_mps: float) -> None:
-        wanted = Odometer(t_ns=t_ns, speed_mps=speed_mps)
-        self.listener.await_message("odometer", lambda h: h.message == wanted, timeout_s=WAIT_S)
-
-    def await_health(self, matches: Callable[[Health], bool]) -> Health:
-        heard = self.listener.await_message(
-            "health",
-            lambda h: isinstance(h.message, Health) and matches(h.message),
-            timeout_s=WAIT_S,
-        )
-        assert isinstance(heard.message, Health)
-        return heard.message
-
-    def end(self) -> None:
-        """Stop the loop; raises what it raised."""
-        self._stop.request()
-        self._ended.result(WAIT_S)
-
-    def result(self) -> None:
-        """Wait for a loop that ends by itself; raises what it raised."""
-        self._ended.result(WAIT_S)
-
-    def close(self) -> None:
-        self._stop.request()
-        self._threads.shutdown()
-        self._publishers.close()
-        self.listener.close()
-
-
-Run = Callable[..., Running]
-
-
-@pytest.fixture
-def run(session: zenoh.Session) -> Iterator[Run]:
-    started: list[Running] = []
-
-    def start(service: Service, settings: Settings = ONE) -> Running:
-        started.append(Running(session, service, settings))
-        return started[-1]
-
-    yield start
-    for running in started:
-        running.close()
-
-
 def speeds(running: Running) -> list[tuple[int, float | None]]:
     found = [heard.message for heard in running.listener.heard("odometer")]
     return [(m.t_ns, m.speed_mps) for m in found if isinstance(m, Odometer)]
 
 
 def test_what_is_heard_goes_through_the_core_onto_the_bus_with_its_ticks(run: Run) -> None:
-    running = run(echo())
+    running = run(echo(), ONE)
     running.await_start()
     running.put(fix(0.05, 55.0, 10.0))
     running.put(fix(0.2, 55.0, 10.0))
@@ -183,7 +101,7 @@ def test_what_is_heard_goes_through_the_core_onto_the_bus_with_its_ticks(run: Ru
 
 
 def test_in_silence_time_goes_on_by_the_clock_on_the_same_grid(run: Run) -> None:
-    running = run(echo())
+    running = run(echo(), ONE)
     running.await_start()
     heard_s = time.monotonic()
     running.put(fix(0.05, 55.0, 10.0))
@@ -244,7 +162,7 @@ def test_time_does_not_overtake_messages_that_wait(run: Run) -> None:
 
 @pytest.mark.parametrize("payload", [b"{", b"\xff", b"[]", b'{"t_ns":1,"valid":7}'])
 def test_a_payload_that_cannot_be_read_is_counted_and_dropped(run: Run, payload: bytes) -> None:
-    running = run(echo())
+    running = run(echo(), ONE)
     running.await_start()
     running.put_payload(payload, "gps_fix")
     assert running.await_health(lambda health: health.bad_input > 0).bad_input == 1
@@ -253,12 +171,17 @@ def test_a_payload_that_cannot_be_read_is_counted_and_dropped(run: Run, payload:
 
 
 def test_an_old_message_and_one_that_comes_twice_bring_no_ticks(run: Run) -> None:
-    running = run(echo())
+    running = run(echo(), ONE)
     running.await_start()
     for seconds in (0.05, 0.15, 0.15, 0.05, 0.25):
         running.put(fix(seconds, 55.0, 10.0))
     running.await_odometer(at(0.25), 1.0)
     assert [t_ns for t_ns, speed in speeds(running) if speed == 2.0] == [at(0.1), at(0.2)]
+
+
+def fix_now() -> GpsFix:
+    """A fix so fresh that nobody asks whether its vehicle is a recording."""
+    return msgspec.structs.replace(fix(0, 55.0, 10.0), t_ns=time.time_ns())
 
 
 def test_what_a_full_inbox_drops_is_counted_in_health(
@@ -280,12 +203,12 @@ def test_what_a_full_inbox_drops_is_counted_in_health(
             assert go.wait(WAIT_S)
             return ()
 
-    running = run(Service("echo", lambda *_: Node("echo", Slow()), Echo.reads))
+    running = run(Service("echo", lambda *_: Node("echo", Slow()), Echo.reads), ONE)
     running.await_start()
-    running.put(fix(0, 55.0, 10.0))
+    running.put(fix_now())
     assert blocked.wait(WAIT_S)
-    for number in range(12):
-        running.put(fix(number, 55.0, 10.0))
+    for _ in range(12):
+        running.put(fix_now())
     assert all(arrived.acquire(timeout=WAIT_S) for _ in range(1 + 12))
     go.set()
     assert running.await_health(lambda health: health.dropped > 0).dropped == 7
@@ -296,7 +219,7 @@ def test_a_feed_reaches_its_own_core_and_a_recording_the_bus(run: Run) -> None:
         put(Sentence(None, "$GPGGA"))
         put(Played("can-ingest", gyro(5, 1.5)))
 
-    running = run(echo(Given(feed)))
+    running = run(echo(Given(feed)), ONE)
     running.await_odometer(at(0), 3.0)
     heard = running.listener.await_message("gyro", timeout_s=WAIT_S)
     assert (heard.source, heard.message) == ("can-ingest", gyro(5, 1.5))
@@ -326,7 +249,7 @@ def test_a_live_feed_never_waits_and_what_it_loses_is_counted(
         go.set()
 
     service = Service("echo", lambda *_: Node("echo", Slow()), feeds=[Given(feed, can_wait=False)])
-    assert run(service).await_health(lambda health: health.dropped > 0).dropped == 7
+    assert run(service, ONE).await_health(lambda health: health.dropped > 0).dropped == 7
 
 
 def test_a_feed_that_cannot_go_on_ends_the_service_with_its_reason(run: Run) -> None:
@@ -334,7 +257,7 @@ def test_a_feed_that_cannot_go_on_ends_the_service_with_its_reason(run: Run) -> 
         raise InputError("can0", "no such interface", "ip link set can0 up")
 
     with pytest.raises(InputError, match="can0: no such interface"):
-        run(echo(Given(feed))).result()
+        run(echo(Given(feed)), ONE).result()
 
 
 def test_a_bug_in_a_feed_ends_the_service_loudly(run: Run) -> None:
@@ -342,11 +265,11 @@ def test_a_bug_in_a_feed_ends_the_service_loudly(run: Run) -> None:
         raise ZeroDivisionError("a bug in the feed")
 
     with pytest.raises(ZeroDivisionError, match="in the feed"):
-        run(echo(Given(feed))).result()
+        run(echo(Given(feed)), ONE).result()
 
 
 def test_a_bug_in_a_core_ends_the_service_loudly(run: Run) -> None:
-    running = run(Service("echo", lambda *_: Node("echo", Bug()), Bug.reads))
+    running = run(Service("echo", lambda *_: Node("echo", Bug()), Bug.reads), ONE)
     running.await_start()
     running.put(fix(0, 55.0, 10.0))
     with pytest.raises(ZeroDivisionError, match="in the core"):
@@ -354,7 +277,7 @@ def test_a_bug_in_a_core_ends_the_service_loudly(run: Run) -> None:
 
 
 def test_the_end_finishes_what_is_open_and_takes_the_token_away(run: Run) -> None:
-    running = run(echo())
+    running = run(echo(), ONE)
     running.await_start()
     running.listener.await_alive("echo", timeout_s=WAIT_S)
     running.put(fix(0.05, 55.0, 10.0))
@@ -364,13 +287,29 @@ def test_the_end_finishes_what_is_open_and_takes_the_token_away(run: Run) -> Non
     running.listener.await_alive("echo", up=False, timeout_s=WAIT_S)
 
 
-def test_watchers_hear_everything_and_who_comes_and_goes(run: Run, session: zenoh.Session) -> None:
+class Told:
+    """A view that notes what it is told, and which vehicles it is to forget."""
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose})
+
+    def __init__(self, told: "queue.SimpleQueue[tuple[str, str, str]]") -> None:
+        self._told = told
+        self.receipts: dict[str, Receipt] = {}
+        self.forgotten: list[str] = []
+
+    def put(self, vehicle_id: str, message: Message, source: str, receipt: Receipt) -> None:
+        self.receipts[vehicle_id] = receipt
+        self._told.put((vehicle_id, message.topic, source))
+
+    def forget(self, vehicle_id: str) -> None:
+        self.forgotten.append(vehicle_id)
+
+
+def test_views_hear_everything_and_who_comes_and_goes(run: Run, session: zenoh.Session) -> None:
     told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
     alive: queue.SimpleQueue[tuple[str, str, bool]] = queue.SimpleQueue()
     service = echo()
-    service.watch = lambda vehicle_id, message, source: told.put(
-        (vehicle_id, message.topic, source)
-    )
+    service.views = [Told(told)]
     service.watch_alive = lambda *event: alive.put(event)
     running = run(service, ALL)
     assert alive.get(timeout=WAIT_S) == (FLEET, "echo", True)
@@ -413,3 +352,128 @@ def test_health_is_heard_under_the_one_vehicle_served_or_the_fleet(
     run(echo(), ONE)
     assert keys.get(timeout=WAIT_S) == message_key("bus-7", "health", "echo")
     heard.close()
+
+
+def test_what_only_a_view_reads_is_heard_and_does_not_reach_the_core(run: Run) -> None:
+    told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
+    service = Service("echo", lambda *_: Node("echo", Bug()), Bug.reads, views=[Told(told)])
+    running = run(service, ONE)
+    running.await_start()
+    running.put(Pose(t_ns=at(0), mode="starting"))
+    while (found := told.get(timeout=WAIT_S)) != ("bus-7", "pose", "test"):
+        assert found == ("bus-7", "health", "echo")
+    running.await_health(lambda health: health.in_rate_hz == 0.0)
+    running.end()
+
+
+def test_a_service_without_a_core_only_shows(run: Run) -> None:
+    told: queue.SimpleQueue[tuple[str, str, str]] = queue.SimpleQueue()
+    running = run(Service("page", views=[Told(told)]), ALL)
+    running.await_start()
+    running.put(Pose(t_ns=at(0), mode="starting"), "bus-9")
+    while (found := told.get(timeout=WAIT_S)) != ("bus-9", "pose", "test"):
+        assert found == (FLEET, "health", "page")
+
+
+def shown(running: Running, view: Told, message: Message, vehicle_id: str) -> Receipt:
+    """The receipt with which a view was told of a message."""
+    view.receipts.pop(vehicle_id, None)
+    running.put(message, vehicle_id)
+    deadline_s = time.monotonic() + WAIT_S
+    while vehicle_id not in view.receipts:
+        assert time.monotonic() < deadline_s
+        time.sleep(0.01)
+    return view.receipts[vehicle_id]
+
+
+def told_age_s(running: Running, view: Told, t_ns: int, vehicle_id: str) -> float:
+    receipt = shown(running, view, Pose(t_ns=t_ns, mode="starting"), vehicle_id)
+    return receipt.age_s(receipt.at_ns)
+
+
+HOUR_S = 3600.0
+
+
+def test_a_message_is_as_old_as_it_says_but_for_a_recording_that_is_played(run: Run) -> None:
+    """Health says which; until it has been heard nothing is called old for three seconds."""
+    view = Told(queue.SimpleQueue())
+    running = run(Service("page", views=[view]), ALL)
+    running.await_start()
+    old_ns = time.time_ns() - round(HOUR_S * 1e9)
+    assert told_age_s(running, view, time.time_ns(), "live") < 1.0
+    assert told_age_s(running, view, old_ns, "played") == 0.0
+    health = Health(t_ns=old_ns, service="gps-ingest", version="0", started_ns=old_ns)
+    running.put(health, "late", "gps-ingest")
+    running.put(msgspec.structs.replace(health, recorded=True), "played", "play")
+    deadline_s = time.monotonic() + WAIT_S
+    while told_age_s(running, view, old_ns, "late") == 0.0:
+        assert time.monotonic() < deadline_s
+    assert told_age_s(running, view, old_ns, "late") == pytest.approx(HOUR_S, abs=WAIT_S)
+    assert told_age_s(running, view, old_ns, "played") == 0.0
+
+
+def test_no_step_of_the_hosts_clock_makes_a_vehicle_old(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    view = Told(queue.SimpleQueue())
+    running = run(Service("page", views=[view]), ALL)
+    running.await_start()
+    true_ns = time.time_ns
+    told_age_s(running, view, true_ns(), "bus-7")
+    # that it is no recording is known to whoever asks
+    health = Health(t_ns=true_ns(), service="gps-ingest", version="0", started_ns=true_ns())
+    running.put(health, source="gps-ingest")
+    for step_s in (HOUR_S, -HOUR_S):
+        monkeypatch.setattr(time, "time_ns", lambda s=step_s: true_ns() + round(s * 1e9))
+        for _ in range(5):
+            assert told_age_s(running, view, true_ns(), "bus-7") < 1.0
+            time.sleep(0.1)
+
+
+def test_a_silent_vehicle_is_forgotten_with_what_it_cost_and_comes_back(run: Run) -> None:
+    view = Told(queue.SimpleQueue())
+    made: list[str] = []
+
+    def make_node(vehicle_id: str, source: str) -> Node:
+        made.append(vehicle_id)
+        return Node("echo", Echo())
+
+    service = Service("echo", make_node, Echo.reads, views=[view])
+    running = run(service, Settings(vehicles=("*",), forget_vehicle_after_s=2.0))
+    running.await_start()
+    running.put(fix(0.05, 55.0, 10.0), "bus-8")
+    wanted = Odometer(t_ns=at(0.05), speed_mps=4.0)
+    # the end of input, so that what was learned is kept
+    running.listener.await_message(
+        "odometer",
+        lambda h: isinstance(h.message, Odometer) and h.message.speed_mps == wanted.speed_mps,
+        timeout_s=WAIT_S,
+    )
+    deadline_s = time.monotonic() + WAIT_S
+    while view.forgotten != ["bus-8"]:
+        assert time.monotonic() < deadline_s
+        time.sleep(0.01)
+    ticks = len(running.listener.heard("odometer"))
+    running.await_health(lambda health: health.out_rate_hz == 0.0)
+    assert len(running.listener.heard("odometer")) == ticks
+    running.put(fix(10.05, 55.0, 10.0), "bus-8")
+    running.await_odometer(at(10.05), 1.0)
+    assert made == ["bus-8", "bus-8"]
+
+
+def test_a_named_vehicle_is_never_forgotten(run: Run) -> None:
+    view = Told(queue.SimpleQueue())
+    service = Service("echo", lambda *_: Node("echo", Echo()), Echo.reads, views=[view])
+    running = run(service, Settings(vehicle_id="bus-7", forget_vehicle_after_s=0.5))
+    running.await_start()
+    running.put(fix(0.05, 55.0, 10.0))
+    running.await_odometer(at(3.0), 2.0)
+    assert view.forgotten == []
+
+
+def test_more_sources_than_a_vehicle_has_are_made_up(run: Run) -> None:
+    running = run(echo(), ONE)
+    running.await_start()
+    for number in range(20):
+        running.put(fix(number, 55.0, 10.0), source=f"gps-ingest-{number}")
+    assert running.await_health(lambda health: health.bad_input >= 4).bad_input == 4

@@ -32,10 +32,10 @@ class Diagnosis(NamedTuple):
     frames: int
     identifiers: int
     extended: int
-    """Of the identifiers those of 29 bits."""
+    """How many of the identifiers have 29 bits."""
     lasted_s: float
     profiles: tuple[Fit, ...]
-    """Those that fit, the best first."""
+    """The profiles that fit, the best first."""
     proposed: Fit | None
     profile_table: str | None
     can_table: str | None

@@ -67,7 +67,7 @@ def _plans_in(mapping: Mapping, frames: Iterable[Frame]) -> set[FramePlan]:
 
 
 def with_quantities(fit: Fit, mapping: Mapping, frames: Sequence[Frame]) -> Fit:
-    """The same with what can-ingest's own core makes of the frames."""
+    """A fit with what can-ingest's own core makes of the frames by its mapping."""
     core = CanIngestCore(CanMapping(), mapping, Vehicle())
     messages = [message for frame in frames for message in core.handle(frame, fit.name)]
     messages += core.handle(Flush(0), fit.name)

@@ -11,7 +11,7 @@ import msgspec
 
 from wayline.can_log import CanLog
 from wayline.inputs import Frame
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.bus_reader import NOT_TRIED
 from wayline_can_ingest.diagnosis.opening import not_opened
 from wayline_can_ingest.frames import ERROR

@@ -1,7 +1,7 @@
 """Whether a CAN interface opens, and what to mend where it does not."""
 
 from wayline.errors import InputError
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.bus_reader import DRIVER_ERRORS, open_bus
 
 

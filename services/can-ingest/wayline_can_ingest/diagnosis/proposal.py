@@ -11,7 +11,7 @@ from cantools.database.can import Message as DbcMessage
 from cantools.database.can.signal import Signal
 
 from wayline_can_ingest.diagnosis.rules import JUDGEMENT, RECEIVER, RULES, Rule
-from wayline_can_ingest.diagnosis.seen import Range, Seen, validity_of
+from wayline_can_ingest.diagnosis.seen import Range, SignalsSeen, validity_of
 
 YAW_RATE = "gyro.yaw_rate_degps"
 """Wayline's is positive to the right, most vehicles' to the left (ISO 8855)."""
@@ -64,7 +64,7 @@ def messages_by_name(databases: Iterable[Database]) -> dict[str, DbcMessage]:
     return found
 
 
-def propose(messages: Mapping[str, DbcMessage], seen: Seen | None) -> list[Proposal]:
+def propose(messages: Mapping[str, DbcMessage], seen: SignalsSeen | None) -> list[Proposal]:
     """The likeliest place of every quantity; with nothing heard, of the whole databases."""
     proposals = []
     for rule in RULES:
@@ -113,7 +113,7 @@ def _ranked(messages: Iterable[DbcMessage], rank_of: Ranks) -> list[tuple[DbcMes
 
 
 def _rank(
-    rule: Rule, seen: Seen | None, message: DbcMessage, signal: Signal
+    rule: Rule, seen: SignalsSeen | None, message: DbcMessage, signal: Signal
 ) -> tuple[bool, ...] | None:
     """None for something else. What was seen to change goes first, then a unit, then wheels."""
     scale = _scale(rule, signal)
@@ -197,7 +197,9 @@ def _axle(message: DbcMessage, signal: Signal) -> tuple[str, ...]:
     return (signal.name,)
 
 
-def _lever_rank(seen: Seen | None, message: DbcMessage, signal: Signal) -> tuple[bool, ...] | None:
+def _lever_rank(
+    seen: SignalsSeen | None, message: DbcMessage, signal: Signal
+) -> tuple[bool, ...] | None:
     """A gear lever that can stand in reverse."""
     if "gear" not in signal.name.lower() or _reverse_choice(signal) is None:
         return None

@@ -20,7 +20,7 @@ class Range(NamedTuple):
     most: float
 
 
-class Seen(NamedTuple):
+class SignalsSeen(NamedTuple):
     """What frames say of the signals of databases."""
 
     messages: frozenset[str]
@@ -37,7 +37,7 @@ def is_matched_by_pgn(messages: Iterable[DbcMessage], frames: Iterable[Frame]) -
     return by_group > sum(identifier in heard for identifier in extended)
 
 
-def seen_in(messages: Iterable[DbcMessage], frames: Iterable[Frame], *, j1939: bool) -> Seen:
+def seen_in(messages: Iterable[DbcMessage], frames: Iterable[Frame], *, j1939: bool) -> SignalsSeen:
     """The range of every signal that frames hold. By PGN only 29-bit messages are known."""
     plans: dict[tuple[int, bool], list[_Watched]] = {}
     for message in messages:
@@ -53,7 +53,7 @@ def seen_in(messages: Iterable[DbcMessage], frames: Iterable[Frame], *, j1939: b
         for each in every
         for signal, limits in each.limits.items()
     }
-    return Seen(frozenset(each.name for each in every), ranges)
+    return SignalsSeen(frozenset(each.name for each in every), ranges)
 
 
 def _key(identifier: int, extended: bool, j1939: bool) -> tuple[int, bool]:

@@ -8,7 +8,7 @@ from pathlib import PurePath
 import msgspec
 
 from wayline.drive import Places
-from wayline.settings import LiveCan
+from wayline.live_sources import LiveCan
 from wayline_can_ingest.diagnosis.proposal import Proposal
 
 

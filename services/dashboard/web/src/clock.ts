@@ -1,9 +1,14 @@
-// Pure: what time it is for the server and for a vehicle, whatever this device's clock says.
+// Pure: how old things are and what time it is, whatever this device's and the server's clock say.
 
 import type { Vehicle } from "./fleet";
 
-/** A vehicle whose own time is further off than this is being played from a recording. */
-const RECORDING_MS = 3_600_000;
+/** One instant by two clocks. */
+export interface Now {
+  /** This page's own, which nobody sets: ages are measured by it. */
+  monotonicMs: number;
+  /** The server's Unix time. */
+  serverMs: number;
+}
 
 /** The server's clock, carried on by a monotonic one. */
 export class ServerClock {
@@ -11,40 +16,32 @@ export class ServerClock {
 
   constructor(private readonly monotonicMs: () => number) {}
 
-  /** Takes the server's time from a message that has just arrived. */
-  set(now: string): void {
-    this.offsetMs = Date.parse(now) - this.monotonicMs();
+  /** Takes the server's time from a message that has just arrived; returns that instant. */
+  set(now: string): Now {
+    const monotonicMs = this.monotonicMs();
+    this.offsetMs = Date.parse(now) - monotonicMs;
+    return { monotonicMs, serverMs: Date.parse(now) };
   }
 
-  nowMs(): number {
-    return this.monotonicMs() + this.offsetMs;
+  now(): Now {
+    const monotonicMs = this.monotonicMs();
+    return { monotonicMs, serverMs: monotonicMs + this.offsetMs };
   }
 }
 
-export function isRecording(vehicle: Vehicle): boolean {
-  const { pose, heard } = vehicle;
-  return (
-    pose !== undefined &&
-    heard !== undefined &&
-    Math.abs(Date.parse(heard) - Date.parse(pose.t)) > RECORDING_MS
-  );
+/** Age of the pose in seconds, or null without one. */
+export function ageS({ heardMs }: Vehicle, now: Now): number | null {
+  return heardMs === undefined ? null : Math.max(0, (now.monotonicMs - heardMs) / 1000);
 }
 
-/** Age of the pose in seconds, or null without one. In a recording, since it was heard. */
-export function ageS(vehicle: Vehicle, nowMs: number): number | null {
-  const { pose, heard } = vehicle;
-  if (pose === undefined) {
-    return null;
-  }
-  const from = isRecording(vehicle) && heard !== undefined ? heard : pose.t;
-  return Math.max(0, (nowMs - Date.parse(from)) / 1000);
+/** The vehicle's present time, which its arrivals count from: that of its pose, carried on. */
+export function vehicleNowMs({ pose, heardMs }: Vehicle, now: Now): number {
+  return pose === undefined || heardMs === undefined
+    ? now.serverMs
+    : Date.parse(pose.t) + (now.monotonicMs - heardMs);
 }
 
-/** The vehicle's present time, which its arrivals count from. */
-export function vehicleNowMs(vehicle: Vehicle, nowMs: number): number {
-  const { pose, heard } = vehicle;
-  if (pose !== undefined && heard !== undefined && isRecording(vehicle)) {
-    return Date.parse(pose.t) + (nowMs - Date.parse(heard));
-  }
-  return nowMs;
+/** Whether one of its services says that it plays a recording. */
+export function isRecording({ services = [] }: Vehicle): boolean {
+  return services.some((service) => service.up && service.recorded);
 }

@@ -2,7 +2,7 @@
 
 import { protocols, savedToken, tokenHeaders } from "./access";
 import { waitMs } from "./backoff";
-import type { FleetView, RouteLink } from "./view";
+import type { FleetView, RouteLink, Selection } from "./view";
 
 /** The server says something at least every 5 s. */
 const SILENCE_MS = 12_000;
@@ -26,6 +26,7 @@ export class Connection {
   private retry: number | undefined;
   private watchdog: number | undefined;
   private failures = 0;
+  private selected: string | null = null;
   private readonly routesSeen = new Set<string>();
 
   constructor(private readonly listener: Listener) {
@@ -61,11 +62,31 @@ export class Connection {
     }
   }
 
+  /** Tells the server which vehicle is shown; a line that is opened later tells it too. */
+  select(vehicleId: string | null): void {
+    if (vehicleId !== this.selected) {
+      this.selected = vehicleId;
+      this.tellSelected();
+    }
+  }
+
+  private tellSelected(): void {
+    if (this.socket?.readyState === WebSocket.OPEN) {
+      const selection: Selection = { vehicle_id: this.selected };
+      this.socket.send(JSON.stringify(selection));
+    }
+  }
+
   private listen(): void {
     const address = new URL("/v1/live", window.location.href);
     address.protocol = address.protocol.replace("http", "ws");
     const socket = new WebSocket(address, protocols(savedToken()));
     this.socket = socket;
+    socket.onopen = () => {
+      if (this.selected !== null) {
+        this.tellSelected();
+      }
+    };
     socket.onmessage = (event: MessageEvent<string>) => {
       this.failures = 0;
       this.watch();
@@ -88,7 +109,7 @@ export class Connection {
     window.clearTimeout(this.watchdog);
     if (this.socket !== undefined) {
       // a line that fell silent may take minutes to close by itself
-      this.socket.onclose = this.socket.onmessage = null;
+      this.socket.onopen = this.socket.onclose = this.socket.onmessage = null;
       this.socket.close();
       this.socket = undefined;
     }

@@ -1,29 +1,33 @@
 // Pure: puts snapshots and changes together into what is known now.
 
+import type { Now } from "./clock";
 import type { FleetView, Service, TrailPoint, VehicleChange } from "./view";
 
 /** As many as the server keeps (trail.py), so that a page left open does not grow. */
 export const TRAIL_MAX = 2000;
 
-export type Vehicle = Omit<VehicleChange, "trail" | "trail_restart"> & {
+export type Vehicle = Omit<VehicleChange, "heard" | "trail" | "trail_restart"> & {
+  /** When its pose was new, by this page's monotonic clock: no clock that is set changes ages. */
+  heardMs?: number;
+  /** Another array whenever the trail changes, so that the map redraws it only then. */
   trail: TrailPoint[];
-  /** Grows whenever the trail changes, so that the map redraws it only then. */
-  trailRevision: number;
 };
 
 export interface Fleet {
   vehicles: Map<string, Vehicle>;
+  /** The vehicle that all is known of; of the others only the pose is. */
+  selected: string | null;
   services: Service[];
   /** By route id; told once, whatever snapshots come. */
   routeNames: Map<string, string>;
 }
 
 export function emptyFleet(): Fleet {
-  return { vehicles: new Map(), services: [], routeNames: new Map() };
+  return { vehicles: new Map(), selected: null, services: [], routeNames: new Map() };
 }
 
-/** Changes `fleet` in place. A snapshot replaces everything that was known. */
-export function applyView(fleet: Fleet, view: FleetView): void {
+/** Changes `fleet` in place by a view that came `now`. A snapshot replaces what was known. */
+export function applyView(fleet: Fleet, view: FleetView, now: Now): void {
   if (view.kind === "snapshot") {
     fleet.vehicles.clear();
     fleet.services = [];
@@ -31,8 +35,33 @@ export function applyView(fleet: Fleet, view: FleetView): void {
   if (view.services !== null) {
     fleet.services = view.services;
   }
-  for (const change of view.vehicles) {
-    fleet.vehicles.set(change.vehicle_id, changed(fleet.vehicles.get(change.vehicle_id), change));
+  if (view.selected !== fleet.selected) {
+    forgetDetails(fleet);
+    fleet.selected = view.selected;
+  }
+  for (const vehicleId of view.gone) {
+    fleet.vehicles.delete(vehicleId);
+  }
+  for (const { heard, ...change } of view.vehicles) {
+    const vehicle = changed(fleet.vehicles.get(change.vehicle_id), change);
+    if (heard !== undefined) {
+      vehicle.heardMs = now.monotonicMs - (now.serverMs - Date.parse(heard));
+    }
+    fleet.vehicles.set(change.vehicle_id, vehicle);
+  }
+}
+
+/** What is no longer told is dropped, or it would be shown as if it were new. */
+function forgetDetails(fleet: Fleet): void {
+  const vehicle = fleet.vehicles.get(fleet.selected ?? "");
+  if (vehicle !== undefined) {
+    const { vehicle_id, pose, heardMs } = vehicle;
+    fleet.vehicles.set(vehicle_id, {
+      vehicle_id,
+      ...(pose && { pose }),
+      ...(heardMs !== undefined && { heardMs }),
+      trail: [],
+    });
   }
 }
 
@@ -46,12 +75,12 @@ export function nameRoute(fleet: Fleet, route: GeoJSON.FeatureCollection): void 
   }
 }
 
-function changed(known: Vehicle | undefined, change: VehicleChange): Vehicle {
+function changed(known: Vehicle | undefined, change: Omit<VehicleChange, "heard">): Vehicle {
   const { trail: added = [], trail_restart: restarts = false, ...sections } = change;
-  const before = known ?? { vehicle_id: change.vehicle_id, trail: [], trailRevision: 0 };
+  const before = known ?? { vehicle_id: change.vehicle_id, trail: [] };
   if (!restarts && added.length === 0) {
     return { ...before, ...sections };
   }
   const trail = restarts ? added : [...before.trail, ...added].slice(-TRAIL_MAX);
-  return { ...before, ...sections, trail, trailRevision: before.trailRevision + 1 };
+  return { ...before, ...sections, trail };
 }

@@ -1,6 +1,7 @@
 // Pure: how a vehicle or a service is doing, in one word that colours follow.
 
 import { ageS } from "./clock";
+import type { Now } from "./clock";
 import type { Vehicle } from "./fleet";
 import type { Service } from "./view";
 
@@ -9,13 +10,13 @@ const STALE_S = 3;
 
 export type Tone = "good" | "info" | "warn" | "bad" | "off";
 
-export function isStale(vehicle: Vehicle, nowMs: number): boolean {
-  const age = ageS(vehicle, nowMs);
+export function isStale(vehicle: Vehicle, now: Now): boolean {
+  const age = ageS(vehicle, now);
   return age === null || age > STALE_S;
 }
 
-export function vehicleTone(vehicle: Vehicle, nowMs: number): Tone {
-  if (isStale(vehicle, nowMs)) {
+export function vehicleTone(vehicle: Vehicle, now: Now): Tone {
+  if (isStale(vehicle, now)) {
     return "off";
   }
   switch (vehicle.pose?.mode) {

@@ -2,12 +2,15 @@
 
 import "maplibre-gl/dist/maplibre-gl.css";
 import { html, render } from "lit-html";
+import type { TemplateResult } from "lit-html";
 
 import { forgetToken, saveToken, savedToken } from "./access";
 import { ServerClock } from "./clock";
+import type { Now } from "./clock";
 import { Connection } from "./connection";
 import type { LineState } from "./connection";
 import { applyView, emptyFleet, nameRoute } from "./fleet";
+import type { Vehicle } from "./fleet";
 import { FleetMap } from "./map/map";
 import { mapTools } from "./map/tools";
 import { accessForm } from "./panels/access";
@@ -51,10 +54,11 @@ const connection = new Connection({
     renderPage();
   },
   onView(view) {
-    clock.set(view.now);
-    applyView(fleet, view);
+    const known = fleet.selected;
+    applyView(fleet, view, clock.set(view.now));
+    connection.select(selected());
     map.show(fleet, selected());
-    if (view.kind === "snapshot") {
+    if (view.kind === "snapshot" || fleet.selected !== known) {
       renderPage();
     }
   },
@@ -71,6 +75,7 @@ function selected(): string | null {
 function choose(vehicleId: string): void {
   wanted = vehicleId;
   putInAddress(vehicleId);
+  connection.select(vehicleId);
   map.show(fleet, selected());
   map.setFollowing(true);
   renderPage();
@@ -90,15 +95,12 @@ function renderTools(): void {
 }
 
 function renderPanel(): void {
-  const now = clock.nowMs();
+  const now = clock.now();
   const vehicle = fleet.vehicles.get(selected() ?? "");
   const parts =
     vehicle === undefined
       ? html`<p class="empty">${wasOpen ? "No vehicle has been heard yet." : "Connecting…"}</p>`
-      : html`
-          ${vehiclePanel(vehicle, now)} ${arrivalsPanel(vehicle, now, fleet.routeNames)}
-          ${slopePanel(vehicle)} ${positioningPanel(vehicle)}
-        `;
+      : html`${vehiclePanel(vehicle, now)} ${details(vehicle, now)}`;
   render(
     html`
       <header>
@@ -110,6 +112,17 @@ function renderPanel(): void {
     `,
     places.panel,
   );
+}
+
+/** What is told of the selected vehicle only: it comes a moment after the selection. */
+function details(vehicle: Vehicle, now: Now): TemplateResult | null {
+  if (vehicle.vehicle_id === fleet.selected) {
+    return html`
+      ${arrivalsPanel(vehicle, now, fleet.routeNames)} ${slopePanel(vehicle)}
+      ${positioningPanel(vehicle)}
+    `;
+  }
+  return line.kind === "open" ? null : html`<p class="empty">More comes with the connection.</p>`;
 }
 
 function renderBanner(): void {
@@ -148,4 +161,5 @@ window.setInterval(() => {
   renderPanel();
   renderBanner();
 }, PANEL_PERIOD_MS);
+connection.select(wanted);
 void connection.open();

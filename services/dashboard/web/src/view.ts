@@ -101,6 +101,7 @@ export interface Service {
   lag_ms_p50: number | null;
   lag_ms_p99: number | null;
   detail: string | null;
+  recorded: boolean;
 }
 
 export interface TrailPoint {
@@ -127,8 +128,17 @@ export interface VehicleChange {
 export interface FleetView {
   kind: "snapshot" | "changes";
   now: string;
+  /** The vehicle that is told whole; the others are told only where they are. */
+  selected: string | null;
   vehicles: VehicleChange[];
+  /** Dropped before vehicles are taken: they were silent for long. */
+  gone: string[];
   services: Service[] | null;
+}
+
+/** What the page sends: the vehicle that it shows. */
+export interface Selection {
+  vehicle_id: string | null;
 }
 
 export interface RouteLink {

@@ -1,43 +1,50 @@
 import { expect, test } from "vitest";
 
 import { ServerClock, ageS, isRecording, vehicleNowMs } from "../src/clock";
+import type { Now } from "../src/clock";
 import type { Vehicle } from "../src/fleet";
-import type { Pose } from "../src/view";
+import type { Pose, Service } from "../src/view";
 
-const HEARD = "2026-01-01T12:00:00.000Z";
-const HEARD_MS = Date.parse(HEARD);
+const SERVER = "2026-01-01T12:00:00.000Z";
+const SERVER_MS = Date.parse(SERVER);
+const UNHEARD: Vehicle = { vehicle_id: "a", trail: [] };
 
-function vehicle(t: string): Vehicle {
-  return {
-    vehicle_id: "a",
-    heard: HEARD,
-    pose: { t, mode: "fused" } as Pose,
-    trail: [],
-    trailRevision: 0,
-  };
+function vehicle(t: string, heardMs: number): Vehicle {
+  return { ...UNHEARD, heardMs, pose: { t, mode: "fused" } as Pose };
+}
+
+function at(monotonicMs: number): Now {
+  return { monotonicMs, serverMs: SERVER_MS };
 }
 
 test("the server's clock goes on with the monotonic one", () => {
-  let monotonic = 1000;
-  const clock = new ServerClock(() => monotonic);
-  clock.set(HEARD);
-  monotonic += 2500;
-  expect(clock.nowMs()).toBe(HEARD_MS + 2500);
+  let monotonicMs = 1000;
+  const clock = new ServerClock(() => monotonicMs);
+  expect(clock.set(SERVER)).toEqual(at(1000));
+  monotonicMs += 2500;
+  expect(clock.now()).toEqual({ monotonicMs: 3500, serverMs: SERVER_MS + 2500 });
 });
 
-test("a live pose ages from its own instant, delay on the way included", () => {
-  const late = vehicle("2026-01-01T11:59:58.000Z");
-  expect(ageS(late, HEARD_MS + 1000)).toBe(3);
-  expect(vehicleNowMs(late, HEARD_MS + 1000)).toBe(HEARD_MS + 1000);
+test("a pose ages by the page's own clock, whatever the server's says", () => {
+  const seen = vehicle("2026-01-01T11:59:58.000Z", 5000);
+  expect(ageS(seen, at(8000))).toBe(3);
+  expect(ageS(seen, { monotonicMs: 8000, serverMs: SERVER_MS + 3_600_000 })).toBe(3);
 });
 
-test("a recording ages from when it was heard and keeps its own time", () => {
-  const old = vehicle("2018-11-12T14:00:00.000Z");
-  expect(isRecording(old)).toBe(true);
-  expect(ageS(old, HEARD_MS + 1000)).toBe(1);
-  expect(vehicleNowMs(old, HEARD_MS + 1000)).toBe(Date.parse("2018-11-12T14:00:01.000Z"));
+test("a vehicle's present is its pose's instant, carried on", () => {
+  const old = vehicle("2018-11-12T14:00:00.000Z", 5000);
+  expect(vehicleNowMs(old, at(6000))).toBe(Date.parse("2018-11-12T14:00:01.000Z"));
 });
 
-test("without a pose there is no age", () => {
-  expect(ageS({ vehicle_id: "a", trail: [], trailRevision: 0 }, HEARD_MS)).toBeNull();
+test("without a pose there is no age, and the present is the server's", () => {
+  expect(ageS(UNHEARD, at(0))).toBeNull();
+  expect(vehicleNowMs(UNHEARD, at(0))).toBe(SERVER_MS);
+});
+
+test("a recording is what a service that is up calls one", () => {
+  const played = { service: "wayline-play", up: true, recorded: true } as Service;
+  const live = { service: "fusion", up: true, recorded: false } as Service;
+  expect(isRecording({ ...UNHEARD, services: [live, played] })).toBe(true);
+  expect(isRecording({ ...UNHEARD, services: [live, { ...played, up: false }] })).toBe(false);
+  expect(isRecording(vehicle("2018-11-12T14:00:00.000Z", 0))).toBe(false);
 });

@@ -3,6 +3,7 @@
 import type { Vehicle } from "../fleet";
 import { SIGMAS_95, ellipseOutline, gridLines, trailLines } from "../geometry";
 import type { Area, LonLat } from "../geometry";
+import type { TrailPoint } from "../view";
 
 type Features = GeoJSON.FeatureCollection;
 
@@ -66,9 +67,9 @@ export function fixFeatures(vehicle: Vehicle | undefined): Features {
   return collection([feature({ type: "Point", coordinates: [fix.lon_deg, fix.lat_deg] })]);
 }
 
-export function trailFeatures(vehicle: Vehicle | undefined): Features {
+export function trailFeatures(trail: readonly TrailPoint[]): Features {
   return collection(
-    trailLines(vehicle?.trail ?? []).map(({ line, reckoned }) =>
+    trailLines(trail).map(({ line, reckoned }) =>
       feature({ type: "LineString", coordinates: line }, { reckoned }),
     ),
   );

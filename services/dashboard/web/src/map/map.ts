@@ -11,6 +11,7 @@ import type { GeoJSONSource } from "maplibre-gl";
 import workerUrl from "maplibre-gl/dist/maplibre-gl-worker.mjs?url";
 
 import type { Fleet, Vehicle } from "../fleet";
+import type { TrailPoint } from "../view";
 import {
   ellipseFeatures,
   fixFeatures,
@@ -29,6 +30,7 @@ const STREET_ZOOM = 16.4;
 const GRID_SPACING_PX = 150;
 /** Slightly more than the time between poses, so that the map glides. */
 const GLIDE_MS = 130;
+const NO_TRAIL: readonly TrailPoint[] = [];
 
 setWorkerUrl(workerUrl);
 
@@ -42,7 +44,7 @@ export class FleetMap {
   private selected: string | null = null;
   private ready = false;
   private placed = false;
-  private trailDrawn = "";
+  private trailDrawn: readonly TrailPoint[] | undefined;
   private readonly dark = window.matchMedia("(prefers-color-scheme: dark)");
   private readonly still = window.matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -111,7 +113,7 @@ export class FleetMap {
   private drawAll(): void {
     this.ready = true;
     addIcons(this.map, this.theme());
-    this.trailDrawn = "";
+    this.trailDrawn = undefined;
     this.drawRoutes();
     this.drawGrid();
     this.draw();
@@ -125,9 +127,9 @@ export class FleetMap {
     this.setData("vehicles", vehicleFeatures(this.fleet.vehicles.values(), this.selected));
     this.setData("ellipse", ellipseFeatures(vehicle));
     this.setData("fix", fixFeatures(vehicle));
-    const trail = `${vehicle?.vehicle_id} ${vehicle?.trailRevision}`;
+    const trail = vehicle?.trail ?? NO_TRAIL;
     if (trail !== this.trailDrawn) {
-      this.setData("trail", trailFeatures(vehicle));
+      this.setData("trail", trailFeatures(trail));
       this.trailDrawn = trail;
     }
   }

@@ -4,6 +4,7 @@ import { html } from "lit-html";
 import type { TemplateResult } from "lit-html";
 
 import { ageS, isRecording, vehicleNowMs } from "../clock";
+import type { Now } from "../clock";
 import type { Vehicle } from "../fleet";
 import { SIGMAS_95 } from "../geometry";
 import { isStale, vehicleTone } from "../health";
@@ -20,15 +21,17 @@ import {
   speedKmh,
 } from "../words";
 
-export function vehiclePanel(vehicle: Vehicle, nowMs: number): TemplateResult {
+const PRESENT_MS = 60_000;
+
+export function vehiclePanel(vehicle: Vehicle, now: Now): TemplateResult {
   const { pose } = vehicle;
   return html`
     <section id="vehicle" aria-labelledby="vehicle-title">
       <div class="title-row">
         <h2 id="vehicle-title">${vehicle.vehicle_id}</h2>
-        ${modeBadge(vehicle, nowMs)}
+        ${modeBadge(vehicle, now)}
       </div>
-      <p class="age" id="age">${age(vehicle, nowMs)}</p>
+      <p class="age" id="age">${age(vehicle, now)}</p>
       <dl class="readings">
         ${reading("Speed", speedKmh(pose?.speed_mps), "km/h")}
         ${reading("Heading", heading(pose?.heading_deg), compassPoint(pose?.heading_deg))}
@@ -39,26 +42,31 @@ export function vehiclePanel(vehicle: Vehicle, nowMs: number): TemplateResult {
   `;
 }
 
-function modeBadge(vehicle: Vehicle, nowMs: number): TemplateResult {
+function modeBadge(vehicle: Vehicle, now: Now): TemplateResult {
   const mode = vehicle.pose?.mode;
   const name = mode === undefined ? "No position" : MODE_NAMES[mode];
   const meaning = mode === undefined ? "" : MODE_MEANINGS[mode];
-  return html`<span id="mode" class="badge ${vehicleTone(vehicle, nowMs)}" title=${meaning}
+  return html`<span id="mode" class="badge ${vehicleTone(vehicle, now)}" title=${meaning}
     >${name}</span
   >`;
 }
 
-function age(vehicle: Vehicle, nowMs: number): TemplateResult {
-  const seconds = ageS(vehicle, nowMs);
+function age(vehicle: Vehicle, now: Now): TemplateResult {
+  const seconds = ageS(vehicle, now);
   if (seconds === null) {
     return html`no pose received yet`;
   }
-  const text = isStale(vehicle, nowMs)
+  const text = isStale(vehicle, now)
     ? html`<strong class="silent">silent for ${duration(seconds)}</strong>`
     : html`updated ${duration(seconds)} ago`;
-  return isRecording(vehicle)
-    ? html`${text} · recording of ${dateAndTime(vehicleNowMs(vehicle, nowMs))}`
-    : text;
+  return isRecording(vehicle) ? html`${text} · ${recording(vehicle, now)}` : text;
+}
+
+/** With its own time where that is not the present: the demo's recordings are played as of now. */
+function recording(vehicle: Vehicle, now: Now): string {
+  const vehicleNow = vehicleNowMs(vehicle, now);
+  const isPresent = Math.abs(now.serverMs - vehicleNow) < PRESENT_MS;
+  return isPresent ? "recording" : `recording of ${dateAndTime(vehicleNow)}`;
 }
 
 function reading(name: string, value: string, unit: string): TemplateResult {

@@ -5,6 +5,7 @@ import type { TemplateResult } from "lit-html";
 import { repeat } from "lit-html/directives/repeat.js";
 
 import { ageS } from "../clock";
+import type { Now } from "../clock";
 import type { Vehicle } from "../fleet";
 import { isStale, vehicleTone } from "../health";
 import { MODE_NAMES, UNKNOWN, duration, speedKmh } from "../words";
@@ -12,7 +13,7 @@ import { MODE_NAMES, UNKNOWN, duration, speedKmh } from "../words";
 export function vehicleList(
   vehicles: Iterable<Vehicle>,
   selected: string | null,
-  nowMs: number,
+  now: Now,
   choose: (vehicleId: string) => void,
 ): TemplateResult | null {
   const sorted = [...vehicles].sort((a, b) => a.vehicle_id.localeCompare(b.vehicle_id));
@@ -32,9 +33,9 @@ export function vehicleList(
                 aria-current=${vehicle.vehicle_id === selected ? "true" : "false"}
                 @click=${() => choose(vehicle.vehicle_id)}
               >
-                <span class="lamp ${vehicleTone(vehicle, nowMs)}"></span>
+                <span class="lamp ${vehicleTone(vehicle, now)}"></span>
                 <span class="vehicle-id">${vehicle.vehicle_id}</span>
-                <span class="vehicle-state">${state(vehicle, nowMs)}</span>
+                <span class="vehicle-state">${state(vehicle, now)}</span>
               </button>
             </li>
           `,
@@ -44,13 +45,13 @@ export function vehicleList(
   `;
 }
 
-function state(vehicle: Vehicle, nowMs: number): string {
-  const age = ageS(vehicle, nowMs);
+function state(vehicle: Vehicle, now: Now): string {
+  const age = ageS(vehicle, now);
   if (vehicle.pose === undefined || age === null) {
     return UNKNOWN;
   }
   const speed = `${speedKmh(vehicle.pose.speed_mps)} km/h`;
-  return isStale(vehicle, nowMs)
+  return isStale(vehicle, now)
     ? `silent for ${duration(age)}`
     : `${MODE_NAMES[vehicle.pose.mode]}, ${speed}`;
 }

@@ -12,10 +12,10 @@ from wayline.inputs import Flush
 from wayline.messages import Message
 
 
-class Arrival(NamedTuple):
+class Received(NamedTuple):
     """A message as it reaches the bus."""
 
-    arrival_ns: int
+    received_ns: int
     order: int
     """Of its source among the drive's sources: nmea, avl, can; settles ties."""
     source: str
@@ -40,7 +40,7 @@ class Recording(NamedTuple):
 
     source: str
     messages: Iterable[tuple[int, Message]]
-    """Each with its arrival, Unix ns. Raises UnreadableError where the source cannot be read."""
+    """Each with its receipt, Unix ns. Raises UnreadableError where the source cannot be read."""
     bad_input: Callable[[], int]
     account: Callable[[], Account] = Account
     nothing: Callable[[], InputError] = _unexplained
@@ -54,20 +54,20 @@ def translated(
     inputs: Iterable[Raw],
     handle: Callable[[msgspec.Struct, str], Sequence[Message]],
     source: str,
-    arrival_ns: Callable[[Raw, Message], int],
+    received_ns: Callable[[Raw, Message], int],
 ) -> Iterator[tuple[int, Message]]:
     """Messages that an ingest core makes of raw input, with their arrival."""
     last: Raw | None = None
     for last in inputs:
         for message in handle(last, source):
-            yield arrival_ns(last, message), message
+            yield received_ns(last, message), message
     if last is not None:
         for message in handle(Flush(0), source):
-            yield arrival_ns(last, message), message
+            yield received_ns(last, message), message
 
 
-class Arrivals:
-    """Arrivals of one source, never earlier than the one before; ends where it is unreadable."""
+class Receipts:
+    """Messages of one source, received never earlier than the one before; ends where it breaks."""
 
     def __init__(self, order: int, recording: Recording) -> None:
         self._order = order
@@ -77,13 +77,13 @@ class Arrivals:
         self.nothing: InputError | None = None
         """Why nothing came of the source; None where something did, and until it has ended."""
 
-    def __iter__(self) -> Iterator[Arrival]:
+    def __iter__(self) -> Iterator[Received]:
         latest_ns = 0
         try:
-            for arrival_ns, message in self.recording.messages:
-                latest_ns = max(latest_ns, arrival_ns)
+            for received_ns, message in self.recording.messages:
+                latest_ns = max(latest_ns, received_ns)
                 self._count += 1
-                yield Arrival(latest_ns, self._order, self.recording.source, message)
+                yield Received(latest_ns, self._order, self.recording.source, message)
         except UnreadableError as error:
             self._broken = error
         if not self._count:
@@ -97,34 +97,34 @@ class Arrivals:
 
 
 class Sources:
-    """The sources of a drive in order of arrival; iterates once."""
+    """The sources of a drive in order of receipt; iterates once."""
 
     def __init__(self, recordings: Iterable[Recording]) -> None:
-        self._arrivals = [Arrivals(order, each) for order, each in enumerate(recordings)]
+        self._receipts = [Receipts(order, each) for order, each in enumerate(recordings)]
 
-    def __iter__(self) -> Iterator[Arrival]:
-        return heapq.merge(*self._arrivals, key=lambda arrival: arrival[:2])
+    def __iter__(self) -> Iterator[Received]:
+        return heapq.merge(*self._receipts, key=lambda received: received[:2])
 
     def check(self) -> None:
         """Once all have ended: raises the first one's InputError where nothing came of any."""
-        reasons = [each.nothing for each in self._arrivals]
+        reasons = [each.nothing for each in self._receipts]
         if reasons and reasons[0] is not None and None not in reasons:
             raise reasons[0]
 
     @property
     def warnings(self) -> list[str]:
         """Once all have ended: of which nothing came, and what else a user should know."""
-        return [warning for each in self._arrivals for warning in each.warnings]
+        return [warning for each in self._receipts for warning in each.warnings]
 
     @property
     def bad_input(self) -> dict[str, int]:
         """Sentences, rows and frames that were counted and dropped so far, by source."""
-        return {each.recording.source: each.recording.bad_input() for each in self._arrivals}
+        return {each.recording.source: each.recording.bad_input() for each in self._receipts}
 
     @property
     def left_out(self) -> dict[str, Mapping[str, int]]:
         """What was left out on purpose so far, by source and reason."""
-        return {each.recording.source: each.recording.account().left_out for each in self._arrivals}
+        return {each.recording.source: each.recording.account().left_out for each in self._receipts}
 
 
 def begun(recordings: Iterable[Recording]) -> Sources:

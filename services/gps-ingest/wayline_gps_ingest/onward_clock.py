@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from wayline_gps_ingest.timeline import DAY_NS, SECOND_NS
+from wayline_gps_ingest.dates import DAY_NS, SECOND_NS
 
 SOON_NS = 20 * SECOND_NS
 """A step back by less is waited for; more than GPS time is ahead of UTC."""
@@ -14,7 +14,7 @@ UNFIXED_MAX_NS = 3600 * SECOND_NS
 """A receiver without a fix keeps time by itself; it is believed this far."""
 
 
-class Step(NamedTuple):
+class StepBack(NamedTuple):
     """A clock that stepped back, and how its instants go on after the last before it."""
 
     last_ns: int
@@ -36,10 +36,10 @@ class Step(NamedTuple):
         return self.last_ns + since_ns * period_ns // (back_ns + 2 * period_ns)
 
 
-class SteadyClock:
+class OnwardClock:
     """Keeps published instants from going back, and one corrupt time from moving them ahead.
 
-    After a step back instants go on (`Step`) until the clock has passed the last of them. A
+    After a step back instants go on (`StepBack`) until the clock has passed the last of them. A
     receiver that learns of a leap second steps back by seconds: the later times are the right
     ones, so those in between are pressed together and none after them is ahead of its time.
     A step ahead by a day and more must be confirmed by the next fix.
@@ -48,7 +48,7 @@ class SteadyClock:
     def __init__(self) -> None:
         self._last_ns: int | None = None
         self._period_ns = PERIOD_MAX_NS
-        self._step: Step | None = None
+        self._step: StepBack | None = None
         self._doubted_ns: int | None = None
         self.faults = 0
         """Instants that were dropped or moved."""
@@ -80,7 +80,7 @@ class SteadyClock:
             return raw_ns
         self.faults += 1
         if self._stepped_ns(raw_ns) <= last_ns:
-            self._step = Step(last_ns, raw_ns, self._period_ns)
+            self._step = StepBack(last_ns, raw_ns, self._period_ns)
         self._last_ns = max(self._stepped_ns(raw_ns), last_ns)
         return self._last_ns
 

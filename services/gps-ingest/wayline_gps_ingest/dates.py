@@ -11,14 +11,14 @@ ERA_NS = 1024 * 7 * DAY_NS
 """GPS counts weeks to 1024; an old receiver's date then starts again 19.6 years in the past."""
 
 
-class Timeline:
+class Dates:
     """Puts a day to times of day.
 
     The day comes from a date that the receiver sent with a fix, or from the `first_day` given for
     a log whose sentences carry none; from then on the instant nearest to the last one is meant,
     which follows midnight in either direction. Today's date is never taken.
 
-    A date that is whole eras of the week counter before the sentence's arrival, or before the last
+    A date that is whole eras of the week counter before the sentence's receipt, or before the last
     fix, is moved on by them; nothing is changed where the two do not agree to the day.
     """
 
@@ -27,14 +27,14 @@ class Timeline:
         self._last_ns: int | None = None
 
     def instant_ns(
-        self, time_ns: int, day: dt.date | None, arrival_ns: int | None = None
+        self, time_ns: int, day: dt.date | None, received_ns: int | None = None
     ) -> int | None:
         """Unix time of a time of day, with the day sent beside it if any; None: day unknown."""
         if day is None and self._last_ns is None:
             day = self._first_day
         if day is not None:
             told_ns = (day - EPOCH).days * DAY_NS + time_ns
-            self._last_ns = in_era_of(in_era_of(told_ns, arrival_ns), self._last_ns)
+            self._last_ns = in_era_of(in_era_of(told_ns, received_ns), self._last_ns)
         elif self._last_ns is not None:
             self._last_ns = nearest_ns(time_ns, self._last_ns)
         return self._last_ns

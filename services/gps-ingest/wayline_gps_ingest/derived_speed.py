@@ -9,7 +9,7 @@ APART_MAX_NS = 10_000_000_000
 """The mean speed over a longer gap is no longer the speed of now."""
 
 
-class Displacement:
+class DerivedSpeed:
     """Fills in the speed of fixes whose receiver tells none, and marks it as derived."""
 
     def __init__(self) -> None:

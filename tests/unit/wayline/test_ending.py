@@ -5,25 +5,25 @@ import threading
 
 import pytest
 
+from wayline.ending import Ending, ending_on_signals, unless_ended
 from wayline.errors import InputError
-from wayline.stop import Stop, stop_on_signals, unless_stopped
 
 WAIT_S = 10.0
 
 
 def test_a_stop_is_requested_by_a_signal_and_handlers_come_back() -> None:
     before = signal.getsignal(signal.SIGTERM)
-    with stop_on_signals() as stop:
-        assert not stop.wait(0.0)
+    with ending_on_signals() as ending:
+        assert not ending.wait(0.0)
         signal.raise_signal(signal.SIGTERM)
-        assert stop.wait(WAIT_S)
-        assert stop.wait()
+        assert ending.wait(WAIT_S)
+        assert ending.wait()
     assert signal.getsignal(signal.SIGTERM) is before
 
 
 def test_a_call_is_left_when_stopped() -> None:
-    stop, forever = Stop(), threading.Event()
-    found = unless_stopped(forever.wait, stop, patience_s=0.0, waiting=stop.request)
+    ending, forever = Ending(), threading.Event()
+    found = unless_ended(forever.wait, ending, patience_s=0.0, waiting=ending.request)
     forever.set()
     assert found is None
 
@@ -33,5 +33,5 @@ def test_a_call_that_fails_says_why_and_one_that_works_says_what() -> None:
         raise InputError("bus", "is closed", "open it")
 
     with pytest.raises(InputError, match="bus: is closed"):
-        unless_stopped(fail, Stop(), patience_s=WAIT_S, waiting=lambda: None)
-    assert unless_stopped(lambda: 7, Stop(), patience_s=WAIT_S, waiting=lambda: None) == 7
+        unless_ended(fail, Ending(), patience_s=WAIT_S, waiting=lambda: None)
+    assert unless_ended(lambda: 7, Ending(), patience_s=WAIT_S, waiting=lambda: None) == 7

@@ -17,7 +17,7 @@ POLL_S = 0.05
 Result = TypeVar("Result")
 
 
-class Stop:
+class Ending:
     """False until requested; waiting on it ends at once when it is."""
 
     def __init__(self) -> None:
@@ -41,25 +41,25 @@ class Stop:
 
 
 @contextmanager
-def stop_on_signals() -> Iterator[Stop]:
-    """A Stop that SIGTERM and Ctrl-C request while the block runs; main thread only."""
-    stop = Stop()
+def ending_on_signals() -> Iterator[Ending]:
+    """An Ending that SIGTERM and Ctrl-C request while the block runs; main thread only."""
+    ending = Ending()
 
     def handle(number: int, frame: FrameType | None) -> None:
         del number, frame
-        stop.request()
+        ending.request()
 
     handled = (signal.SIGTERM, signal.SIGINT)
     before = [signal.signal(number, handle) for number in handled]
     try:
-        yield stop
+        yield ending
     finally:
         for number, handler in zip(handled, before, strict=True):
             signal.signal(number, handler)
 
 
-def unless_stopped(
-    call: Callable[[], Result], stop: Stop, *, patience_s: float, waiting: Callable[[], None]
+def unless_ended(
+    call: Callable[[], Result], ending: Ending, *, patience_s: float, waiting: Callable[[], None]
 ) -> Result | None:
     """What a call returns that no signal can interrupt (opening a session); None when stopped.
 
@@ -79,10 +79,10 @@ def unless_stopped(
     thread.join(patience_s)
     if thread.is_alive():
         waiting()
-    while thread.is_alive() and not stop.requested:
+    while thread.is_alive() and not ending.requested:
         thread.join(POLL_S)
     if errors:
         raise errors[0]
-    if not (results or stop.requested):
+    if not (results or ending.requested):
         raise RuntimeError("the call died, its traceback is above")
     return results[0] if results else None

@@ -1,0 +1,16 @@
+"""Fusion in a replay."""
+
+from wayline.database import open_database
+from wayline.node import Node
+from wayline.replayed_drive import ReplayedDrive
+from wayline_fusion.core import FusionCore
+from wayline_fusion.store import FusionStore
+
+
+def node(replay: ReplayedDrive) -> Node:
+    """Fusion, going on from what the database knows of the drive's vehicle."""
+    tuning, url = replay.drive.tuning, replay.database_url
+    if url is None:
+        return Node("fusion", FusionCore(tuning))
+    store = FusionStore(open_database(url, "wayline_fusion"), replay.drive.drive.vehicle_id)
+    return Node("fusion", FusionCore(tuning, store.load()), store)

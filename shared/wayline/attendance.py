@@ -1,0 +1,34 @@
+"""Pure: who is heard: vehicles that fall silent, and how many sources each has."""
+
+from wayline.keys import Key
+
+SOURCES_MAX = 16
+"""Of one vehicle and topic; more are made up (SPEC section 2)."""
+
+
+class Attendance:
+    """When each vehicle was last heard, and from which sources."""
+
+    def __init__(self) -> None:
+        self._heard_s: dict[str, float] = {}
+        self._sources: dict[str, dict[str, set[str]]] = {}
+
+    def admits(self, key: Key) -> bool:
+        """Whether a source is one of the first of its vehicle and topic."""
+        sources = self._sources.setdefault(key.vehicle_id, {}).setdefault(key.topic, set())
+        if key.source not in sources and len(sources) >= SOURCES_MAX:
+            return False
+        sources.add(key.source)
+        return True
+
+    def hear(self, vehicle_id: str, now_s: float) -> None:
+        """Note a vehicle's message; `now_s` is of the monotonic clock."""
+        self._heard_s[vehicle_id] = now_s
+
+    def silent(self, since_s: float) -> list[str]:
+        """Vehicles not heard since an instant; they are forgotten."""
+        names = [name for name, heard_s in self._heard_s.items() if heard_s < since_s]
+        for name in names:
+            del self._heard_s[name]
+            self._sources.pop(name, None)
+        return names
