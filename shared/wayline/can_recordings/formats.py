@@ -24,6 +24,7 @@ from wayline.can_recordings.mf4 import Mf4
 from wayline.can_recordings.reading import Reading
 from wayline.can_recordings.sqlite import Sqlite
 from wayline.can_recordings.text import LineByLine, ReaderOfLines
+from wayline.can_recordings.trc import open_trc
 from wayline.errors import UnreadableError
 from wayline.log_file import encoding_of, head_of
 
@@ -33,10 +34,6 @@ READABLE = (
     "or CRTD log, or one of them with .gz"
 )
 SAVE = "save it as candump -l (.log) or as Vector .asc"
-TRC_OTHER = re.compile(
-    r"\s*(?:;|$|\d+\)?\s+[\d.]+\s+(?:\d+\s+)?(?:Warng|Error|ST|EC|ER|EV|FFFFFFFF)\b)"
-)
-"""What python-can passes over in a .trc: remarks, states of the bus."""
 CSV_HEADER = "timestamp,arbitration_id"
 
 
@@ -67,13 +64,6 @@ def _python_can_csv(path: Path, head: str) -> Reading:
     return ReaderOfLines(lines, can.CSVReader)
 
 
-def _trc(path: Path, head: str) -> Reading:
-    del head
-    return ReaderOfLines(
-        Lines(path, lambda line: TRC_OTHER.match(line) is None), can.TRCReader, is_local=True
-    )
-
-
 def _candump(path: Path, head: str) -> Reading:
     del head
     return ReaderOfLines(Lines(path), can.CanutilsLogReader)
@@ -84,7 +74,7 @@ def _table(path: Path, header: str, columns: Columns) -> Reading:
 
 
 TEXTS = (
-    TextFormat(_lines(r"^;\s*\$(?:FILEVERSION|STARTTIME|COLUMNS)"), _trc),
+    TextFormat(_lines(r"^;\s*\$(?:FILEVERSION|STARTTIME|COLUMNS)"), open_trc),
     TextFormat(
         _lines(r"^\s*(?:date\s+\S+\s+\S+\s+\d|base\s+(?:hex|dec)\b|begin\s+triggerblock)"),
         lambda path, _: Asc(path),
@@ -113,7 +103,7 @@ TEXTS = (
 BY_SUFFIX: dict[str, Callable[[Path, str], Reading]] = {
     ".log": _candump,
     ".asc": lambda path, _: Asc(path),
-    ".trc": _trc,
+    ".trc": open_trc,
     ".csv": _python_can_csv,
 }
 """Where the beginning is damaged."""
