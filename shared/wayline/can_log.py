@@ -96,10 +96,14 @@ class CanLog:
         """Recordings without a date of their own or a given one; reads their first frames."""
         for path in self.paths:
             probe = CanLog([path], own_frames=True, date=self._date)
-            frames = iter(probe)
             with contextlib.suppress(UnreadableError):  # said when it is its turn to be read
+                reading = open_recording(path)
+                reading.close()
+                if reading.is_dated:
+                    continue
+                frames = iter(probe)
                 next(frames, None)
-            frames.close()
+                frames.close()
             self.undated += [each for each in probe.undated if each not in self.undated]
         return self.undated
 

@@ -37,6 +37,7 @@ class Blf:
     """Frames of a .blf; a damaged container or object costs itself alone."""
 
     is_local = True
+    is_dated = None
     first_channel = 1
 
     def __init__(self, path: Path) -> None:

@@ -74,7 +74,7 @@ def _table(path: Path, header: str, columns: Columns) -> Reading:
 
 
 TEXTS = (
-    TextFormat(_lines(r"^;\s*\$(?:FILEVERSION|STARTTIME|COLUMNS)"), open_trc),
+    TextFormat(_lines(r"^;\s*\$(?:FILEVERSION|STARTTIME|COLUMNS)|^;.*(?:PCAN|PEAK-)"), open_trc),
     TextFormat(
         _lines(r"^\s*(?:date\s+\S+\s+\S+\s+\d|base\s+(?:hex|dec)\b|begin\s+triggerblock)"),
         lambda path, _: Asc(path),

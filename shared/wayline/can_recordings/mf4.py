@@ -25,6 +25,8 @@ VERSION = slice(8, 16)
 HEADER_BLOCK = struct.Struct("<QhhB")
 """Of the block HD: start in Unix ns, minutes of zone and of summer time, flags."""
 HEADER_BLOCK_AT = 64 + 24 + 6 * 8
+DATED_FROM_NS = 315_532_800 * 1_000_000_000
+"""1980, as for every recording."""
 LOCAL = 0x01
 """The start is by the clock on the wall."""
 SIZE = struct.Struct("<L")
@@ -65,7 +67,9 @@ class Mf4:
         if head[VERSION][:1] not in (b"4", b"\0"):
             version = head[VERSION].split(b"\0")[0].decode("latin-1").strip()
             raise UnreadableError(str(path), f"is MDF {version}, not 4", "save it as MDF 4 (.mf4)")
-        self.is_local = _is_local(head)
+        start_ns, flags = _start(head)
+        self.is_local = bool(flags & LOCAL)
+        self.is_dated = start_ns >= DATED_FROM_NS
 
     def __iter__(self) -> Iterator[can.Message]:
         command = [sys.executable, "-m", "wayline.can_recordings.mf4_process", str(self._path)]
@@ -130,7 +134,9 @@ def _head(path: Path) -> bytes:
         return io.BufferedReader(log).read(HEADER_BLOCK_AT + HEADER_BLOCK.size)
 
 
-def _is_local(head: bytes) -> bool:
+def _start(head: bytes) -> tuple[int, int]:
+    """Unix ns of the beginning, and what kind of time that is."""
     if len(head) < HEADER_BLOCK_AT + HEADER_BLOCK.size:
-        return False
-    return bool(HEADER_BLOCK.unpack_from(head, HEADER_BLOCK_AT)[3] & LOCAL)
+        return 0, 0
+    start_ns, _, _, flags = HEADER_BLOCK.unpack_from(head, HEADER_BLOCK_AT)
+    return start_ns, flags

@@ -19,6 +19,10 @@ class Reading(Protocol):
     """What the file itself calls the channel that python-can calls 0."""
 
     @property
+    def is_dated(self) -> bool | None:
+        """Whether its times have a date, where its header tells; None where only they do."""
+
+    @property
     def damaged(self) -> int:
         """Lines, records and endings that were left out so far."""
 

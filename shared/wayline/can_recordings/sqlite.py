@@ -15,6 +15,7 @@ class Sqlite:
 
     MAGIC = b"SQLite format 3\0"
     is_local = False
+    is_dated = None
     first_channel = 0
 
     def __init__(self, path: Path) -> None:

@@ -16,6 +16,7 @@ Parse = Callable[[str], can.Message | None]
 class ReaderOfLines:
     """One of python-can's readers over the lines that are whole; a damaged one costs itself."""
 
+    is_dated = None
     first_channel = 0
 
     def __init__(
@@ -55,6 +56,7 @@ class ReaderOfLines:
 class LineByLine:
     """Frames of a format whose lines stand each for itself."""
 
+    is_dated = None
     first_channel = 0
 
     def __init__(self, lines: Lines, parse: Parse, *, is_local: bool = False) -> None:
