@@ -28,6 +28,7 @@ from types import FrameType
 from wayline.codec import decode, encode
 from wayline.drive import AvlColumns, AvlSource, Drive, DriveInfo, NmeaSource
 from wayline.errors import InputError
+from wayline.received import Sources
 from wayline_cli.route_import import Wishes, import_route
 from wayline_gps_ingest.recorded import recordings
 
@@ -116,14 +117,15 @@ def read_as_avl(path: Path) -> None:
 
 
 def read_drive(drive: Drive) -> None:
-    """Every message of its recordings."""
-    for recording in recordings(drive, "fuzz"):
-        last_ns = 0
-        for _, message in recording.messages:
-            assert message.t_ns >= last_ns, "time went back"
-            last_ns = message.t_ns
-            assert decode(message.topic, encode(message)) == message
-        assert recording.bad_input() >= 0
+    """Every message of its sources; one of which nothing comes is refused."""
+    sources, last_ns = Sources(recordings(drive, "fuzz")), 0
+    for received in sources:
+        message = received.message
+        assert message.t_ns >= last_ns, "time went back"
+        last_ns = message.t_ns
+        assert decode(message.topic, encode(message)) == message
+    sources.check()
+    assert min(sources.bad_input.values()) >= 0
 
 
 def read_as_route(path: Path) -> None:
