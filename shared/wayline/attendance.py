@@ -26,8 +26,12 @@ class Attendance:
         self._heard_s[vehicle_id] = now_s
 
     def silent(self, since_s: float) -> list[str]:
+        """Vehicles not heard since an instant."""
+        return [name for name, heard_s in self._heard_s.items() if heard_s < since_s]
+
+    def leave(self, since_s: float) -> list[str]:
         """Vehicles not heard since an instant; they are forgotten."""
-        names = [name for name, heard_s in self._heard_s.items() if heard_s < since_s]
+        names = self.silent(since_s)
         for name in names:
             del self._heard_s[name]
             self._sources.pop(name, None)

@@ -97,27 +97,27 @@ class Publishers:
 
     def __init__(self, session: zenoh.Session) -> None:
         self._session = session
-        self._publishers: dict[Key, zenoh.ext.AdvancedPublisher] = {}
+        self._publishers: dict[str, dict[Key, zenoh.ext.AdvancedPublisher]] = {}
+        """By vehicle."""
 
     def put(self, vehicle_id: str, topic: str, source: str, payload: bytes) -> None:
         """Publish a message's payload; never waits for a reader."""
         key = Key(vehicle_id, topic, source)
-        publisher = self._publishers.get(key)
+        publishers = self._publishers.setdefault(vehicle_id, {})
+        publisher = publishers.get(key)
         if publisher is None:
-            publisher = self._publishers[key] = self._declare(key)
+            publisher = publishers[key] = self._declare(key)
         publisher.put(payload)
 
     def forget(self, vehicle_id: str) -> None:
         """Undeclare the publishers of a vehicle; its next message declares them anew."""
-        self._undeclare([key for key in self._publishers if key.vehicle_id == vehicle_id])
+        for publisher in self._publishers.pop(vehicle_id, {}).values():
+            publisher.undeclare()  # type: ignore[no-untyped-call]
 
     def close(self) -> None:
         """Undeclare every publisher."""
-        self._undeclare(list(self._publishers))
-
-    def _undeclare(self, keys: Iterable[Key]) -> None:
-        for key in keys:
-            self._publishers.pop(key).undeclare()  # type: ignore[no-untyped-call]
+        for vehicle_id in list(self._publishers):
+            self.forget(vehicle_id)
 
     def _declare(self, key: Key) -> zenoh.ext.AdvancedPublisher:
         qos = QOS[key.topic]
@@ -134,6 +134,8 @@ class Publishers:
         )
 
 
+PUBLISHERS_MAX = 20_000
+"""Of one topic that a reader keeps count of."""
 OnSample = Callable[[str, bytes], None]
 """Gets key and payload on Zenoh's thread; only enqueues."""
 OnLoss = Callable[[int], None]
@@ -144,7 +146,8 @@ class Gaps:
     """Counts what a publisher numbered and a reader never got.
 
     Zenoh hands samples over in the order of their numbers and a gap only when it has given up
-    recovering it, so a gap is a loss.
+    recovering it, so a gap is a loss. Of many publishers the one not heard for longest is
+    forgotten.
     """
 
     def __init__(self) -> None:
@@ -152,7 +155,9 @@ class Gaps:
 
     def before(self, publisher: str, number: int) -> int:
         """How many are missing between a publisher's sample and the one before."""
-        last = self._last.get(publisher)
+        last = self._last.pop(publisher, None)
+        if last is None and len(self._last) >= PUBLISHERS_MAX:
+            self._last.pop(next(iter(self._last)))
         self._last[publisher] = number
         return 0 if last is None else max(number - last - 1, 0)
 

@@ -37,6 +37,8 @@ from wayline.view import Receipt
 
 POLL_S = 0.05
 HEALTH_S = 1.0
+QUIET_S = 30.0
+"""A vehicle that is not heard so long has no publishers, whose heartbeats would go on."""
 STUCK_S = 10.0
 """A loop that has not turned this long is not well."""
 
@@ -281,7 +283,9 @@ class Loop:
         """Vehicles that nobody named have a seat as long as they are heard."""
         if EVERY_VEHICLE not in self._settings.served():
             return
-        for vehicle_id in self._attendance.silent(now_s - self._settings.forget_vehicle_after_s):
+        for vehicle_id in self._attendance.silent(now_s - QUIET_S):
+            self._publishers.forget(vehicle_id)
+        for vehicle_id in self._attendance.leave(now_s - self._settings.forget_vehicle_after_s):
             for seat in self._seats.leave(vehicle_id):
                 self._publish(seat, seat.finish())
             self._publishers.forget(vehicle_id)

@@ -1,5 +1,6 @@
 """How old messages are when they come, by the older of two clocks (SPEC section 2)."""
 
+import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack
 
@@ -31,7 +32,9 @@ class Receipts:
         now_ns = self._host_clock.now_ns()
         if now_ns is None:
             return Receipt(sample.heard_ns)
-        behind_ns = now_ns - message.t_ns
+        # it may have waited here for long: that is no age
+        waited_ns = time.monotonic_ns() - sample.heard_ns
+        behind_ns = now_ns - waited_ns - message.t_ns
         if behind_ns >= LATE_NS and vehicle_id not in self._listening:
             self._listening[vehicle_id] = stack = ExitStack()
             stack.enter_context(self._listen(vehicle_id))

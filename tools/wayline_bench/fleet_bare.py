@@ -14,6 +14,7 @@ import zenoh
 from wayline.stop import stop_on_signals
 
 from wayline.bus import open_session
+from wayline.ending import ending_on_signals
 from wayline.keys import Key, message_key
 from wayline.messages import Pose
 from wayline.settings import BusSettings
@@ -85,7 +86,7 @@ def main() -> None:
     part = msgspec.json.decode(sys.argv[2], type=Part)
     heard: queue.SimpleQueue[str] = queue.SimpleQueue()
     with (
-        stop_on_signals() as stop,
+        ending_on_signals() as ending,
         open_session(BusSettings(connect=(sys.argv[1],))) as session,
         contextlib.closing(BarePublishers(session)) as publishers,
         contextlib.ExitStack() as stack,
@@ -97,7 +98,7 @@ def main() -> None:
             stack.callback(subscriber.undeclare)
         print(READY, flush=True)
         listener = BareListener(part, publishers.put)
-        while not stop.requested:
+        while not ending.requested:
             with contextlib.suppress(queue.Empty):
                 listener.take(heard.get(timeout=POLL_S))
     print(msgspec.json.encode(listener.counts).decode(), flush=True)

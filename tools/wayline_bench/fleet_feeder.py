@@ -26,7 +26,7 @@ Put = Callable[[str, str, str, bytes], None]
 
 
 @dataclass(frozen=True)
-class Plan:
+class FleetFeed:
     """What to send, for how long, and whose costs to read."""
 
     bus: BusSettings
@@ -61,7 +61,7 @@ def turns(vehicles: int, ticks: int, *, arriving: bool) -> Iterator[Turn]:
                 yield Turn(number, tick, tick + number / vehicles)
 
 
-def feed(plan: Plan) -> Fed:
+def feed(plan: FleetFeed) -> Fed:
     """Let the fleet come, warm the listeners up, then play the rounds."""
     with contextlib.ExitStack() as stack:
         puts = []
@@ -79,7 +79,7 @@ def feed(plan: Plan) -> Fed:
 class _Feeder:
     """Plays a plan; each vehicle has its own phase, so that the messages are spread evenly."""
 
-    def __init__(self, plan: Plan, puts: Sequence[Put]) -> None:
+    def __init__(self, plan: FleetFeed, puts: Sequence[Put]) -> None:
         self._plan, self._puts, self._fed = plan, puts, Fed()
         self._ticks_a_telling = round(plan.load.pose_hz / TOLD_HZ)
         route, now_ns = ring(), time.time_ns()

@@ -17,10 +17,10 @@ from prometheus_client.parser import text_string_to_metric_families
 from wayline.bus import open_session
 from wayline.keys import message_key, parse_key
 from wayline.messages import Arrivals, Health, Horizon, Progress
-from wayline.route import write_route
+from wayline.route_file import write_route
 from wayline_bench import fleet_bare
 from wayline_bench.fleet_costs import core_shares, costs
-from wayline_bench.fleet_feeder import Plan, feed, vehicle_name
+from wayline_bench.fleet_feeder import FleetFeed, feed, vehicle_name
 from wayline_bench.fleet_figures import (
     PROCESSES,
     SERVICES,
@@ -154,15 +154,15 @@ def _bare_part(service: str, load: Load, lived: Lived) -> fleet_bare.Part:
     return fleet_bare.Part(topics, answers, round(load.pose_hz / TOLD_HZ))
 
 
-def _plan(system: LocalSystem, load: Load, *, is_bare: bool = False) -> Plan:
-    return Plan(system.bus, _pids(system), load, is_bare)
+def _plan(system: LocalSystem, load: Load, *, is_bare: bool = False) -> FleetFeed:
+    return FleetFeed(system.bus, _pids(system), load, is_bare)
 
 
 def _pids(system: LocalSystem) -> dict[str, int]:
     return {name: system.pid(name) for name in PROCESSES}
 
 
-def _fed(plan: Plan) -> Fed:
+def _fed(plan: FleetFeed) -> Fed:
     # not forked: Zenoh's threads would not come along
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, spawn) as feeder:

@@ -13,6 +13,7 @@ from wayline.shell import main as run_shell
 from wayline_slope_map.app import create_slope_app
 from wayline_slope_map.book import SlopeBook
 from wayline_slope_map.core import SlopeMapCore
+from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.queries import answer_lookahead
 from wayline_slope_map.store import SlopeStore
 from wayline_slope_map.teaching import Teaching
@@ -28,20 +29,16 @@ def build(settings: Settings, options: Namespace) -> Service:
         raise InputError("configuration", "slope-map has no database", mend)
     routes = load_routes(settings)
     store = SlopeStore(open_database(settings.database_url, "wayline_slope_map"))
-    book = SlopeBook(store.load_roads())
+    profiles = store.load_roads()
+    book, roads = SlopeBook(profiles), KnownRoads(profiles)
     # with one route a vehicle's road is that route; else the map finds the road itself
-    route = routes[0] if len(routes) == 1 else None
+    if len(routes) == 1:
+        (route,) = routes
+        roads.follow(route.line, route.route_id, loop=route.loop, bin_m=settings.tuning.map_bin_m)
 
     def make_node(vehicle_id: str, source: str) -> Node:
         del source
-        core = SlopeMapCore(
-            book.profiles(),
-            settings.tuning,
-            vehicle_id,
-            route=route.line if route else None,
-            route_id=route.route_id if route else None,
-            loop=route.loop if route else False,
-        )
+        core = SlopeMapCore(roads, settings.tuning, vehicle_id)
         return Node(NAME, core, Teaching(store, book.learn))
 
     return Service(

@@ -9,13 +9,12 @@ from wayline.core import Record, Sleep
 from wayline.geo import wrap_360
 from wayline.gps_quality import altitude_std_m
 from wayline.inputs import Flush, Tick
-from wayline.line import Line
 from wayline.messages import Barometer, GpsFix, Horizon, Message, Pose
 from wayline.tuning import Tuning
-from wayline_slope_map.matching import SPACING_M, Match, RoadIndex, carried_on, chosen
-from wayline_slope_map.profile import RoadProfile, lookahead
+from wayline_slope_map.known_roads import KnownRoads
+from wayline_slope_map.matching import SPACING_M, Match, carried_on, chosen
+from wayline_slope_map.profile import lookahead
 from wayline_slope_map.records import RoadLearned
-from wayline_slope_map.roads import check_same_route, route_road
 from wayline_slope_map.run import finished_runs
 from wayline_slope_map.track import Altitude, Place, Pressure, Track
 
@@ -32,31 +31,14 @@ LOST_AFTER_M = 150.0
 class SlopeMapCore:
     """Reads poses, fixes and pressures of one vehicle; gives `horizon` and finished runs.
 
-    `profiles` are the roads known so far; `RoadLearned` inputs bring them up to date. With a
-    route, its line is the road wherever the vehicle follows it. Raises InputError if the route's
-    line is not the one that the profiles know by its id.
+    `roads` are those known so far; `RoadLearned` inputs bring them up to date.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix, Barometer})
     period_ns: ClassVar[int | None] = SECOND_NS
 
-    def __init__(
-        self,
-        profiles: Sequence[RoadProfile],
-        tuning: Tuning,
-        vehicle_id: str,
-        *,
-        route: Line | None = None,
-        route_id: str | None = None,
-        loop: bool = False,
-    ) -> None:
-        self._tuning, self._vehicle_id, self._route_id = tuning, vehicle_id, route_id
-        self._profiles = {profile.road.road_id: profile for profile in profiles}
-        if route is not None and route_id is not None:
-            road = route_road(route, route_id, loop=loop, bin_m=tuning.map_bin_m)
-            known = self._profiles.setdefault(route_id, RoadProfile(road, {}))
-            check_same_route(known.road, road)
-        self._index = RoadIndex(profile.road for profile in self._profiles.values())
+    def __init__(self, roads: KnownRoads, tuning: Tuning, vehicle_id: str) -> None:
+        self._roads, self._tuning, self._vehicle_id = roads, tuning, vehicle_id
         self._track = Track()
         self._pose: Pose | None = None
         self._driving: Pose | None = None
@@ -82,7 +64,7 @@ class SlopeMapCore:
             case Flush():
                 return self._finish()
             case RoadLearned():
-                self._learn(message.profile)
+                self._roads.learn(message.profile)
         return []
 
     def _take_pose(self, pose: Pose) -> Sequence[Record]:
@@ -133,8 +115,8 @@ class SlopeMapCore:
         # a vehicle in reverse travels the road the other way
         reverse = pose.speed_mps is not None and pose.speed_mps < 0.0
         course_deg = wrap_360(pose.heading_deg + 180.0) if reverse else pose.heading_deg
-        near = self._index.near(pose.lat_deg, pose.lon_deg, course_deg)
-        match = chosen(near, last.match if last else None, moved_m, self._route_id)
+        near = self._roads.near(pose.lat_deg, pose.lon_deg, course_deg)
+        match = chosen(near, last.match if last else None, moved_m, self._roads.route_id)
         return Place(pose.t_ns, pose.distance_m, pose.lat_deg, pose.lon_deg, course_deg, match)
 
     def _last_place(self) -> Place | None:
@@ -147,7 +129,7 @@ class SlopeMapCore:
             return False
         if last.match[:2] != place.match[:2]:
             return False
-        length_m = self._profiles[place.match.road_id].road.line.length_m
+        length_m = self._roads.profile(place.match.road_id).road.line.length_m
         back_m = (last.match.along_m - place.match.along_m) * place.match.direction
         return back_m > 0.5 * length_m
 
@@ -159,12 +141,7 @@ class SlopeMapCore:
     def _finish(self) -> Sequence[Record]:
         """The runs of the track so far; a new track begins."""
         track, self._track = self._track, Track()
-        roads = {road_id: profile.road for road_id, profile in self._profiles.items()}
-        return finished_runs(track, self._vehicle_id, roads, self._tuning)
-
-    def _learn(self, profile: RoadProfile) -> None:
-        self._profiles[profile.road.road_id] = profile
-        self._index.add(profile.road)
+        return finished_runs(track, self._vehicle_id, self._roads.roads(), self._tuning)
 
     def _look_ahead(self, tick: Tick) -> Sequence[Message | Sleep]:
         """The horizon of a fresh pose; without one it ends with an empty one."""
@@ -179,7 +156,7 @@ class SlopeMapCore:
         here = self._here(pose)
         if here is None:
             return Horizon(t_ns=t_ns)
-        profile = self._profiles[here.road_id]
+        profile = self._roads.profile(here.road_id)
         points = lookahead(
             profile,
             here.along_m,
@@ -203,4 +180,4 @@ class SlopeMapCore:
         moved_m = pose.distance_m - last.travelled_m
         if moved_m > LOST_AFTER_M:
             return None
-        return carried_on(self._profiles[last.match.road_id].road, last.match, moved_m)
+        return carried_on(self._roads.profile(last.match.road_id).road, last.match, moved_m)

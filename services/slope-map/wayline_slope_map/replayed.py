@@ -4,6 +4,7 @@ from wayline.database import open_database
 from wayline.node import Node
 from wayline.replayed_drive import ReplayedDrive
 from wayline_slope_map.core import SlopeMapCore
+from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.store import SlopeStore
 
 IN_MEMORY = "sqlite://"
@@ -13,12 +14,7 @@ def node(replay: ReplayedDrive) -> Node:
     """Slope-map with the roads that the database knows; the drive's route, if any, is the road."""
     drive, route = replay.drive, replay.route
     store = SlopeStore(open_database(replay.database_url or IN_MEMORY, "wayline_slope_map"))
-    core = SlopeMapCore(
-        store.load_roads(),
-        drive.tuning,
-        drive.drive.vehicle_id,
-        route=route.line if route else None,
-        route_id=route.route_id if route else None,
-        loop=route.loop if route else False,
-    )
-    return Node("slope-map", core, store)
+    roads = KnownRoads(store.load_roads())
+    if route is not None:
+        roads.follow(route.line, route.route_id, loop=route.loop, bin_m=drive.tuning.map_bin_m)
+    return Node("slope-map", SlopeMapCore(roads, drive.tuning, drive.drive.vehicle_id), store)

@@ -11,6 +11,7 @@ from wayline.tuning import Tuning
 from wayline_bench.fleet_vehicle import ROUTE_ID, SPEED_MPS, STOPS, Vehicle, ring
 from wayline_eta.core import make_eta_core
 from wayline_slope_map.core import SlopeMapCore
+from wayline_slope_map.known_roads import KnownRoads
 
 START_NS = 1_800_000_000_000_000_000
 SECOND_NS = 1_000_000_000
@@ -40,9 +41,9 @@ def test_eta_follows_a_vehicle_from_its_second_pose_on(start_m: float) -> None:
 
 def test_slope_map_places_a_vehicle() -> None:
     route = ring()
-    core = SlopeMapCore(
-        [], Tuning(), "fleet-0", route=route.line, route_id=route.route_id, loop=True
-    )
+    roads = KnownRoads()
+    roads.follow(route.line, route.route_id, loop=True, bin_m=Tuning().map_bin_m)
+    core = SlopeMapCore(roads, Tuning(), "fleet-0")
     outputs = heard_by(Node("slope-map", core), 500.0, 30)
     horizons = [each for each in outputs if isinstance(each, Horizon)][-28:]
     assert [each.road_id for each in horizons] == [ROUTE_ID] * 28

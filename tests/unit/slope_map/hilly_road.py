@@ -8,9 +8,12 @@ from numpy.typing import NDArray
 
 from wayline.geo import metres_per_degree
 from wayline.inputs import Flush, Tick
+from wayline.line import Line
 from wayline.messages import Barometer, GpsFix, Pose
 from wayline.tuning import Tuning
 from wayline_slope_map.core import SlopeMapCore
+from wayline_slope_map.known_roads import KnownRoads
+from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.records import FinishedRun
 
 Floats = NDArray[np.float64]
@@ -112,10 +115,14 @@ def drive(
     return messages
 
 
-def core(**known: object) -> SlopeMapCore:
-    """A core that knows nothing but what is given."""
-    given = {"profiles": (), "tuning": Tuning(), "vehicle_id": "car", **known}
-    return SlopeMapCore(**given)  # type: ignore[arg-type]
+def core(
+    profiles: Sequence[RoadProfile] = (), route: Line | None = None, tuning: Tuning | None = None
+) -> SlopeMapCore:
+    """A core that knows nothing but what is given; a route's id is 7."""
+    roads, tuning = KnownRoads(profiles), tuning or Tuning()
+    if route is not None:
+        roads.follow(route, "7", loop=False, bin_m=tuning.map_bin_m)
+    return SlopeMapCore(roads, tuning, "car")
 
 
 def runs_of(core: SlopeMapCore, messages: Sequence[msgspec.Struct]) -> list[FinishedRun]:

@@ -19,7 +19,9 @@ from wayline.core import Sleep
 from wayline.inputs import Flush, Tick
 from wayline.line import Line
 from wayline.messages import Horizon, Pose
+from wayline.tuning import Tuning
 from wayline_slope_map.core import SlopeMapCore
+from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.records import FinishedRun, RoadLearned
 from wayline_slope_map.sums import estimate, run_sums
@@ -162,10 +164,10 @@ def test_each_lap_of_a_known_loop_ends_a_run_and_the_horizon_wraps() -> None:
 def test_a_route_is_the_road_where_it_is_followed_in_its_direction() -> None:
     run = runs_of(core(), drive(seed=1, length_m=3000.0))[0]
     line = Line(*np.array(run.road.points).T)
-    on_route = core(route=line, route_id="7")
+    on_route = core(route=line)
     (followed,) = runs_of(on_route, drive(seed=8, length_m=3000.0))
     assert (followed.road.road_id, followed.direction) == ("7", 1)
-    against = core(route=line, route_id="7")
+    against = core(route=line)
     (other,) = runs_of(against, drive(seed=8, length_m=3000.0, backwards=True))
     assert other.road.road_id.startswith("road-")
 
@@ -347,3 +349,11 @@ def test_a_pose_after_the_end_of_input_begins_a_new_run() -> None:
     ]
     assert len(runs_of(twice, there)) == 1
     assert len(runs_of(twice, on)) == 1
+
+
+def test_what_one_vehicle_taught_lies_on_the_horizon_of_another(first_run: FinishedRun) -> None:
+    roads = KnownRoads()
+    teaching, other = (SlopeMapCore(roads, Tuning(), name) for name in ("car", "truck"))
+    teaching.handle(RoadLearned(profile_of(first_run)), "slope-map")
+    later = drive(seed=9, length_m=500.0, start_ns=START_NS + DAY_NS)
+    assert horizons(other, later)[-1].road_id == first_run.road.road_id

@@ -477,3 +477,32 @@ def test_more_sources_than_a_vehicle_has_are_made_up(run: Run) -> None:
     for number in range(20):
         running.put(fix(number, 55.0, 10.0), source=f"gps-ingest-{number}")
     assert running.await_health(lambda health: health.bad_input >= 4).bad_input == 4
+
+
+def test_of_a_silent_vehicle_nothing_is_said_any_more(
+    run: Run, session: zenoh.Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not even what its last message was, as publishers do every few seconds."""
+    monkeypatch.setattr("wayline.loop.QUIET_S", 2.0)
+    heartbeats: queue.SimpleQueue[float] = queue.SimpleQueue()
+    key = message_key("bus-8", "odometer", "echo")
+    hears = session.declare_subscriber(
+        f"{key}/@adv/pub/**", lambda _: heartbeats.put(time.monotonic())
+    )
+
+    class Patient(Echo):
+        period_ns: ClassVar[int | None] = None
+
+    running = run(Service("echo", lambda *_: Node("echo", Patient()), Echo.reads), ALL)
+    running.await_start()
+    running.put(fix(0.05, 55.0, 10.0), "bus-8")
+    heartbeats.get(timeout=WAIT_S)
+    # the publisher goes within a second of its time, the heartbeats come once a second
+    time.sleep(4.0)
+    quiet_since_s = time.monotonic()
+    time.sleep(2.5)
+    while not heartbeats.empty():
+        assert heartbeats.get() < quiet_since_s
+    running.put(fix(0.15, 55.0, 10.0), "bus-8")
+    running.await_odometer(at(0.15), 1.0)
+    hears.undeclare()  # type: ignore[no-untyped-call]
