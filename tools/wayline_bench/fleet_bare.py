@@ -11,7 +11,6 @@ from collections.abc import Callable
 
 import msgspec
 import zenoh
-from wayline.stop import stop_on_signals
 
 from wayline.bus import open_session
 from wayline.ending import ending_on_signals
