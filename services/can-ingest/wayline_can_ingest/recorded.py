@@ -1,8 +1,10 @@
 """The buses of a recorded drive, as bus messages."""
 
+from contextlib import suppress
+
 from wayline.can_log import CanLog
 from wayline.drive import CanSource, Drive, Vehicle
-from wayline.errors import InputError
+from wayline.errors import InputError, UnreadableError
 from wayline.received import Account, Recording, source_names, translated
 from wayline_can_ingest.configured import load_mapping
 from wayline_can_ingest.core import CanIngestCore
@@ -27,10 +29,11 @@ def _told_clock(drive: Drive, where: str) -> DriveClock | None:
     if first is None or len(drive.can) == 1:
         return None
     core = _core(first, drive.vehicle, where, clock := DriveClock(None))
-    for frame in CanLog.of(first):
-        core.handle(frame, "can-ingest")
-        if clock.offset_ns is not None:
-            return clock
+    with suppress(UnreadableError):  # said when it is its turn to be read
+        for frame in CanLog.of(first):
+            core.handle(frame, "can-ingest")
+            if clock.offset_ns is not None:
+                return clock
     return None
 
 

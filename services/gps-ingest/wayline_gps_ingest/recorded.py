@@ -48,10 +48,7 @@ def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
         ),
     )
     return Recording(
-        name,
-        messages,
-        lambda: core.bad_input + log.is_broken,
-        nothing=lambda: nothing(core.faults),
+        name, messages, lambda: core.bad_input + log.is_broken, nothing=lambda: nothing(core.faults)
     )
 
 
