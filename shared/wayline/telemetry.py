@@ -1,15 +1,30 @@
 """Pure: counts what a service does, for `health` and for Prometheus."""
 
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram
 
 from wayline import __version__
-from wayline.messages import Health
+from wayline.messages import TEXT_MAX, Health
 
 LAGS_KEPT = 2_000
+SEPARATOR = "; "
 LAG_BUCKETS_S = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
+
+
+def joined(details: Sequence[str]) -> str:
+    """Details as one text of a message; where they are too long, each is cut to its share."""
+    whole = SEPARATOR.join(details)
+    if len(whole) <= TEXT_MAX:
+        return whole
+    share = (TEXT_MAX + len(SEPARATOR)) // len(details) - len(SEPARATOR)
+    return SEPARATOR.join(_cut(each, max(share, 0)) for each in details)[:TEXT_MAX]
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else text[: max(most - 1, 0)] + "…"
 
 
 class Telemetry:

@@ -4,7 +4,7 @@ from prometheus_client import generate_latest
 
 from builders import about, at
 from wayline.messages import Health
-from wayline.telemetry import Telemetry
+from wayline.telemetry import Telemetry, joined
 
 
 def health(telemetry: Telemetry, seconds: float) -> Health:
@@ -54,3 +54,15 @@ def test_prometheus_reads_the_same_counts() -> None:
     assert "wayline_dropped 3.0" in lines
     assert 'wayline_lag_seconds_bucket{le="0.002"} 0.0' in lines
     assert 'wayline_lag_seconds_bucket{le="0.005"} 1.0' in lines
+
+
+def test_details_that_are_too_long_together_are_cut_to_their_shares() -> None:
+    assert joined(["a", "b"]) == "a; b"
+    found = joined([f"tcp://127.0.0.1:{port}: silent for {'very ' * 20}long" for port in range(4)])
+    assert len(found) <= 256
+    parts = found.split("; ")
+    assert [part[:27] for part in parts] == [
+        f"tcp://127.0.0.1:{port}: silent f" for port in range(4)
+    ]
+    assert all(part.endswith("…") for part in parts)
+    assert joined([]) == ""
