@@ -2,6 +2,7 @@
 
 import codecs
 import io
+import mmap
 import zlib
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from wayline.errors import InputError
 
 GZIP = b"\x1f\x8b"
 CHUNK = 1 << 16
+ZEROS = bytes(8)
 HEAD = 4096
 """Bytes that tell what a file is."""
 MARKS = (
@@ -38,6 +40,10 @@ class LogFile(io.RawIOBase):
         self.is_broken = False
         self._unpacking: zlib._Decompress | None = None
         self._packed = b""
+        self._end = path.stat().st_size
+        """Bytes of a packed log that are read; zeros in the middle of it unpack to anything."""
+        if self.is_packed and not self._is_sound():
+            self._end = zeros_at(path)
 
     def readable(self) -> bool:
         """It is."""
@@ -59,7 +65,7 @@ class LogFile(io.RawIOBase):
         """Up to so many bytes; what follows one packed part is the next, or padding."""
         while True:
             if not self._packed:
-                self._packed = self._file.read(CHUNK)
+                self._packed = self._file.read(min(CHUNK, self._end - self._file.tell()))
             if self._unpacking is None:
                 self._packed = self._packed.lstrip(b"\0")
                 if not self._packed:
@@ -78,11 +84,27 @@ class LogFile(io.RawIOBase):
             if data:
                 return data
 
+    def _is_sound(self) -> bool:
+        """Whether it unpacks to its end; begins anew thereafter."""
+        while self._unpacked(CHUNK):
+            pass
+        is_sound = not self.is_broken
+        self._file.seek(0)
+        self._unpacking, self._packed, self.is_broken = None, b"", False
+        return is_sound
+
     def _break(self) -> bytes:
         self.is_broken = True
         self._unpacking, self._packed = None, b""
-        self._file.seek(0, io.SEEK_END)
+        self._file.seek(self._end)
         return b""
+
+
+def zeros_at(path: Path) -> int:
+    """Where a file has a run of zeros that packed data does not have; its length without one."""
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        found = data.find(ZEROS)
+    return found if found >= 0 else path.stat().st_size
 
 
 def head_of(path: Path) -> bytes:

@@ -71,6 +71,14 @@ def has_date(path: Path) -> bool:
     return any(DATED.search(line) for line in _lines(TextFile(path)))
 
 
+def has_sentence(path: Path) -> bool:
+    """Whether a log holds anything like a sentence; reads only up to the first one.
+
+    Raises InputError if the file cannot be opened.
+    """
+    return next(iter(read_sentences(path)), None) is not None
+
+
 def _lines(file: TextFile) -> Iterator[bytes]:
     for line in file.lines():
         yield from filter(None, line.replace(b"\r", b"\n").split(b"\n"))

@@ -127,8 +127,10 @@ def replay_command(
     """Run a recorded drive through the whole system, as fast as it goes."""
     from wayline_replay.outages import parse_outage
     from wayline_replay.replay import replay
+    from wayline_replay.stream import check_outages_of
 
     outages = [parse_outage(text) for text in gps_outage or []]
+    check_outages_of(drive, outages)
     with _progress() as progressed:
         summary = replay(
             drive,
@@ -282,7 +284,12 @@ def _print_summary(summary: "Summary", out: Path) -> None:
         table.add_row(topic, f"{count:,}")
     for source, count in summary.bad_input.items():
         table.add_row(f"bad input, {source}", f"{count:,}")
+    for source, reasons in summary.left_out.items():
+        for reason, count in reasons.items():
+            table.add_row(f"left out, {source}: {reason}", f"{count:,}")
     Console().print(table)
+    for warning in summary.warnings:
+        typer.echo(f"warning: {warning}")
 
 
 if __name__ == "__main__":
