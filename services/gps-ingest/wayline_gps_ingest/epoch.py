@@ -79,8 +79,13 @@ class Epoch:
     @property
     def is_valid(self) -> bool:
         """Every sentence that judges the position must call it valid, and one must."""
-        verdicts = [self.facts[name] for name in VERDICTS if name in self.facts]
-        return bool(verdicts) and all(verdicts) and not self.repeat
+        facts, judged = self.facts, False
+        for name in VERDICTS:
+            if name in facts:
+                if not facts[name]:
+                    return False
+                judged = True
+        return judged and not self.repeat
 
     def fix(self, t_ns: int = 0) -> GpsFix:
         """The epoch as a message."""
