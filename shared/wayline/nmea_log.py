@@ -76,7 +76,7 @@ def has_sentence(path: Path) -> bool:
 
     Raises InputError if the file cannot be opened.
     """
-    return next(iter(read_sentences(path)), None) is not None
+    return next(iter(NmeaLog(path)), None) is not None
 
 
 def _lines(file: TextFile) -> Iterator[bytes]:

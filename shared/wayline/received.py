@@ -66,7 +66,7 @@ def translated(
             yield received_ns(last, message), message
 
 
-class Receipts:
+class InOrder:
     """Messages of one source, received never earlier than the one before; ends where it breaks."""
 
     def __init__(self, order: int, recording: Recording) -> None:
@@ -100,31 +100,31 @@ class Sources:
     """The sources of a drive in order of receipt; iterates once."""
 
     def __init__(self, recordings: Iterable[Recording]) -> None:
-        self._receipts = [Receipts(order, each) for order, each in enumerate(recordings)]
+        self._sources = [InOrder(order, each) for order, each in enumerate(recordings)]
 
     def __iter__(self) -> Iterator[Received]:
-        return heapq.merge(*self._receipts, key=lambda received: received[:2])
+        return heapq.merge(*self._sources, key=lambda received: received[:2])
 
     def check(self) -> None:
         """Once all have ended: raises the first one's InputError where nothing came of any."""
-        reasons = [each.nothing for each in self._receipts]
+        reasons = [each.nothing for each in self._sources]
         if reasons and reasons[0] is not None and None not in reasons:
             raise reasons[0]
 
     @property
     def warnings(self) -> list[str]:
         """Once all have ended: of which nothing came, and what else a user should know."""
-        return [warning for each in self._receipts for warning in each.warnings]
+        return [warning for each in self._sources for warning in each.warnings]
 
     @property
     def bad_input(self) -> dict[str, int]:
         """Sentences, rows and frames that were counted and dropped so far, by source."""
-        return {each.recording.source: each.recording.bad_input() for each in self._receipts}
+        return {each.recording.source: each.recording.bad_input() for each in self._sources}
 
     @property
     def left_out(self) -> dict[str, Mapping[str, int]]:
         """What was left out on purpose so far, by source and reason."""
-        return {each.recording.source: each.recording.account().left_out for each in self._receipts}
+        return {each.recording.source: each.recording.account().left_out for each in self._sources}
 
 
 def begun(recordings: Iterable[Recording]) -> Sources:

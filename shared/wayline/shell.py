@@ -74,6 +74,20 @@ def _settings(options: argparse.Namespace, *, plays: bool) -> Settings:
     return replace(settings, vehicle_id=vehicle_id, vehicles=())
 
 
+def player(
+    name: str, settings: Settings, options: argparse.Namespace, open_recordings: OpenRecordings
+) -> Service:
+    """A service that plays the recordings of `--drive`. Raises InputError."""
+    played = playback(name, settings, options, open_recordings)
+    return Service(
+        name,
+        feeds=[played],
+        make_app=plain_app(name, settings),
+        bad_input=lambda: played.bad_input,
+        is_recorded=True,
+    )
+
+
 def playback(
     name: str, settings: Settings, options: argparse.Namespace, open_recordings: OpenRecordings
 ) -> Playback:

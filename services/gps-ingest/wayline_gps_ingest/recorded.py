@@ -68,12 +68,12 @@ def _gpsd(path: Path, vehicle: Vehicle, name: str) -> Recording:
     log = TextFile(path)
     lines = (GpsdReport(None, line) for line in gpsd_lines(log))
     messages = translated(lines, core.handle, name, lambda _, fix: fix.t_ns + latency_ns)
-    return Recording(
-        name,
-        messages,
-        lambda: core.bad_input + log.is_broken,
-        nothing=lambda: _nothing_received(str(path), core.faults),
-    )
+
+    def nothing() -> InputError:
+        mend = "record with gpspipe -w while the receiver has a fix"
+        return InputError(str(path), "none of gpsd's reports in it tells a position", mend)
+
+    return Recording(name, messages, lambda: core.bad_input + log.is_broken, nothing=nothing)
 
 
 def _reports(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:
