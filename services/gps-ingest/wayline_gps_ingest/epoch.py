@@ -36,6 +36,9 @@ class Epoch:
         """Merge a sentence in; what is said twice stands as said last."""
         kind = observation.kind
         self.kinds.add(kind)
+        if kind == "GSV":
+            self.sky.add(observation)
+            return
         if observation.time_ns is not None:
             self.time_ns = observation.time_ns
             if not observation.is_whole_s:
@@ -43,9 +46,8 @@ class Epoch:
             if not self.first_key:
                 self.first_key = observation.key
             self.timed_keys.add(observation.key)
-        if kind in {"GSV", "GSA"}:
+        elif kind == "GSA":
             self.sky.add(observation)
-        if kind == "GSA":
             # one GSA a constellation: the one without used satellites says "no fix"
             self._gsa_mode = max(self._gsa_mode, observation.facts.get("gsa_mode", 0))
         self.facts.update(observation.facts)
