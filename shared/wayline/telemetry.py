@@ -15,16 +15,19 @@ LAG_BUCKETS_S = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0,
 
 
 def joined(details: Sequence[str]) -> str:
-    """Details as one text of a message; where they are too long, each is cut to its share."""
-    whole = SEPARATOR.join(details)
-    if len(whole) <= TEXT_MAX:
-        return whole
-    share = (TEXT_MAX + len(SEPARATOR)) // len(details) - len(SEPARATOR)
-    return SEPARATOR.join(_cut(each, max(share, 0)) for each in details)[:TEXT_MAX]
+    """Details as one text of a message; where that is too long, the longest are cut alike."""
+    room = TEXT_MAX - len(SEPARATOR) * max(len(details) - 1, 0)
+    most = room
+    for place, length in enumerate(sorted(map(len, details))):
+        most = room // (len(details) - place)
+        if length > most:
+            break
+        room -= length
+    return SEPARATOR.join(_cut(each, max(most, 1)) for each in details)[:TEXT_MAX]
 
 
 def _cut(text: str, most: int) -> str:
-    return text if len(text) <= most else text[: max(most - 1, 0)] + "…"
+    return text if len(text) <= most else text[: most - 1] + "…"
 
 
 class Telemetry:

@@ -56,13 +56,15 @@ def test_prometheus_reads_the_same_counts() -> None:
     assert 'wayline_lag_seconds_bucket{le="0.005"} 1.0' in lines
 
 
-def test_details_that_are_too_long_together_are_cut_to_their_shares() -> None:
-    assert joined(["a", "b"]) == "a; b"
-    found = joined([f"tcp://127.0.0.1:{port}: silent for {'very ' * 20}long" for port in range(4)])
-    assert len(found) <= 256
-    parts = found.split("; ")
-    assert [part[:27] for part in parts] == [
-        f"tcp://127.0.0.1:{port}: silent f" for port in range(4)
-    ]
-    assert all(part.endswith("…") for part in parts)
+def test_details_that_are_too_long_together_are_cut_where_they_are_longest() -> None:
     assert joined([]) == ""
+    assert joined(["a", "b"]) == "a; b"
+    whole = ["x" * 127, "y" * 127]
+    assert joined(whole) == "; ".join(whole)
+    short = "tcp://127.0.0.1:4001: well"
+    long = [f"serial:///dev/ttyUSB{port}: silent for {'very ' * 40}long" for port in range(3)]
+    first, *others = joined([short, *long]).split("; ")
+    assert first == short
+    assert {len(each) for each in others} == {(256 - 3 * 2 - len(short)) // 3}
+    assert all(each.endswith("…") for each in others)
+    assert len(joined(["z" * 9] * 200)) == 256
