@@ -17,7 +17,7 @@ from wayline.node import Node
 from wayline.tuning import Tuning
 from wayline_cli.stream import DriveStream, Outage, with_outages
 from wayline_fusion.core import FusionCore
-from wayline_fusion.records import Saved
+from wayline_fusion.keeping.records import Saved
 
 SECOND_NS = 1_000_000_000
 TUNNEL = Outage(600.0, 60.0)

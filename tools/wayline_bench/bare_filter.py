@@ -4,9 +4,9 @@ import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter, KalmanFilter
 
 from wayline.tuning import Tuning
-from wayline_fusion.horizontal import HorizontalFilter
-from wayline_fusion.states import States
-from wayline_fusion.vertical import SIZE as VERTICAL_SIZE
+from wayline_fusion.filter.horizontal import HorizontalFilter
+from wayline_fusion.filter.states import States
+from wayline_fusion.filter.vertical import SIZE as VERTICAL_SIZE
 
 
 class BareFilter:

@@ -18,7 +18,7 @@ from wayline_cli.stream import DriveStream, Outage, with_outages
 from wayline_dashboard.core import DashboardCore
 from wayline_eta.core import make_eta_core
 from wayline_fusion.core import FusionCore
-from wayline_fusion.store import FusionStore
+from wayline_fusion.keeping.store import FusionStore
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.store import SlopeStore
 

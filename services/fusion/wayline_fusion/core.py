@@ -23,20 +23,20 @@ from wayline.messages import (
     Verdict,
 )
 from wayline.tuning import Tuning
-from wayline_fusion.architecture import Architecture, Motion, SensorErrors
-from wayline_fusion.clock_steps import ClockSteps
-from wayline_fusion.displacement import Displacement
-from wayline_fusion.events import ClockStep, Event, Fix, Step, WheelSpeed
-from wayline_fusion.gps_only import GpsOnly, by_quality, same_for_all
-from wayline_fusion.keeping import Keeper
-from wayline_fusion.loose import Loose
-from wayline_fusion.plausibility import SENSORS, Plausibility, refused, within_reason
-from wayline_fusion.records import Saved
-from wayline_fusion.resolution import Resolution
-from wayline_fusion.timeline import Timeline
-from wayline_fusion.uncoupled import Uncoupled
-from wayline_fusion.vertical import States as VerticalStates
-from wayline_fusion.vertical import VerticalFilter
+from wayline_fusion.architectures.architecture import Architecture, Motion, SensorErrors
+from wayline_fusion.architectures.gps_only import GpsOnly, by_quality, same_for_all
+from wayline_fusion.architectures.loose import Loose
+from wayline_fusion.architectures.uncoupled import Uncoupled
+from wayline_fusion.filter.timeline import Timeline
+from wayline_fusion.filter.vertical import States as VerticalStates
+from wayline_fusion.filter.vertical import VerticalFilter
+from wayline_fusion.intake.clock_steps import ClockSteps
+from wayline_fusion.intake.displacement import Displacement
+from wayline_fusion.intake.events import ClockStep, Event, Fix, Step, WheelSpeed
+from wayline_fusion.intake.plausibility import SENSORS, Plausibility, refused, within_reason
+from wayline_fusion.intake.resolution import Resolution
+from wayline_fusion.keeping.keeper import Keeper
+from wayline_fusion.keeping.records import Saved
 
 ARCHITECTURES: Mapping[str, Callable[[Tuning], Architecture]] = {
     "loose": Loose,

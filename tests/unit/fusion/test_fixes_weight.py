@@ -12,9 +12,9 @@ from unit.fusion.drives import ORIGIN, Sensors, messages_of, truth_of, winding
 from wayline.messages import FusionStatus, Message, Pose, Verdict
 from wayline.node import Node
 from wayline.tuning import Tuning
+from wayline_fusion.architectures.loose import Loose
 from wayline_fusion.core import FusionCore
-from wayline_fusion.gate import threshold
-from wayline_fusion.loose import Loose
+from wayline_fusion.filter.gate import threshold
 
 OFF_S = 120.0
 LIKELY = threshold(2, 0.95)

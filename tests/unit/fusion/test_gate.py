@@ -11,8 +11,8 @@ from unit.fusion.drives import ORIGIN, Sensors, circle, messages_of, truth_of
 from wayline.messages import FusionStatus, Message, Verdict
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
-from wayline_fusion.gate import alarmed, judge, nis_of, threshold
-from wayline_fusion.measurements import Measurement
+from wayline_fusion.filter.gate import alarmed, judge, nis_of, threshold
+from wayline_fusion.filter.measurements import Measurement
 
 ALARM = "no measurement could be rejected"
 

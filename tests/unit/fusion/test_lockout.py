@@ -4,7 +4,13 @@ import math
 
 from builders import at
 from wayline.tuning import Tuning
-from wayline_fusion.lockout import CourseLockout, Lockout, course_rejected, patience_s, rejected
+from wayline_fusion.evidence.lockout import (
+    CourseLockout,
+    Lockout,
+    course_rejected,
+    patience_s,
+    rejected,
+)
 
 TUNING = Tuning()
 

@@ -21,10 +21,10 @@ from unit.fusion.drives import (
 from wayline.messages import FusionStatus, GpsFix, Gyro, Message, Pose
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
-from wayline_fusion.horizontal import HorizontalFilter
-from wayline_fusion.measurements import gps_speed, odometer
-from wayline_fusion.states import SIZE, States
-from wayline_fusion.streak import FORGOTTEN_AFTER_NS, Streak, after, lasted_s
+from wayline_fusion.evidence.streak import FORGOTTEN_AFTER_NS, Streak, after, lasted_s
+from wayline_fusion.filter.horizontal import HorizontalFilter
+from wayline_fusion.filter.measurements import gps_speed, odometer
+from wayline_fusion.filter.states import SIZE, States
 
 TUNING = Tuning()
 REAL = Sensors(gps_noise_m=0.5)

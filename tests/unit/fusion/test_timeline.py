@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wayline_fusion.timeline import Timeline
+from wayline_fusion.filter.timeline import Timeline
 
 
 class Noted(NamedTuple):

@@ -7,8 +7,8 @@ import msgspec
 import sqlalchemy as sa
 
 from wayline.core import Record
-from wayline_fusion.records import Saved
-from wayline_fusion.store import FusionStore
+from wayline_fusion.keeping.records import Saved
+from wayline_fusion.keeping.store import FusionStore
 
 log = logging.getLogger("wayline")
 

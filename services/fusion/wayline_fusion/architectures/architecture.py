@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 import msgspec
 
 from wayline.messages import Verdict
-from wayline_fusion.events import Event
+from wayline_fusion.intake.events import Event
 
 
 class Progress(NamedTuple):

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import msgspec
 
 from wayline.geo import LocalPlane
-from wayline_fusion.bias_wander import BiasWander
-from wayline_fusion.lockout import CourseLockout, Lockout
-from wayline_fusion.noise_scale import NoiseScale
-from wayline_fusion.streak import Streak
+from wayline_fusion.evidence.bias_wander import BiasWander
+from wayline_fusion.evidence.lockout import CourseLockout, Lockout
+from wayline_fusion.evidence.noise_scale import NoiseScale
+from wayline_fusion.evidence.streak import Streak
 
 
 class Rolled(NamedTuple):

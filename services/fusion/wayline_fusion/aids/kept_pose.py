@@ -8,12 +8,12 @@ import math
 
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
-from wayline_fusion import measurements
-from wayline_fusion.events import Fix
-from wayline_fusion.gate import judge, nis_of
-from wayline_fusion.horizontal import HorizontalFilter
-from wayline_fusion.measurements import Measurement
-from wayline_fusion.memory import Memory
+from wayline_fusion.evidence.memory import Memory
+from wayline_fusion.filter import measurements
+from wayline_fusion.filter.gate import judge, nis_of
+from wayline_fusion.filter.horizontal import HorizontalFilter
+from wayline_fusion.filter.measurements import Measurement
+from wayline_fusion.intake.events import Fix
 
 COURSE_SLACK_DEG = 5.0
 """Of a course in a bend; what was moved is turned by more."""

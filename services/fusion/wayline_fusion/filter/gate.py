@@ -8,8 +8,8 @@ import numpy as np
 from scipy.special import chdtri
 
 from wayline.messages import Verdict
-from wayline_fusion.measurements import Measurement
-from wayline_fusion.states import Floats
+from wayline_fusion.filter.measurements import Measurement
+from wayline_fusion.filter.states import Floats
 
 WIDEST = {
     "gps_position": 1_000.0,

@@ -15,12 +15,12 @@ from wayline.geo import LocalPlane, wrap_360
 from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
-from wayline_fusion.architecture import Motion, Progress, SensorErrors
-from wayline_fusion.events import Event, Fix, WheelSpeed
-from wayline_fusion.gyro_track import GyroTrack
-from wayline_fusion.horizontal import DrivingNoise, HorizontalFilter
-from wayline_fusion.moving_plane import moved_along
-from wayline_fusion.states import Floats, States
+from wayline_fusion.architectures.architecture import Motion, Progress, SensorErrors
+from wayline_fusion.filter.gyro_track import GyroTrack
+from wayline_fusion.filter.horizontal import DrivingNoise, HorizontalFilter
+from wayline_fusion.filter.plane import moved_along
+from wayline_fusion.filter.states import Floats, States
+from wayline_fusion.intake.events import Event, Fix, WheelSpeed
 
 S = States
 WHEELS_FRESH_NS = 2_000_000_000

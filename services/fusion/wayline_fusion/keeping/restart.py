@@ -11,12 +11,12 @@ import numpy as np
 
 from wayline.geo import LocalPlane, wrap_360, wrap_pi
 from wayline.tuning import Tuning
-from wayline_fusion.bias_wander import BiasWander
-from wayline_fusion.estimator import Snapshot
-from wayline_fusion.memory import Memory
-from wayline_fusion.noise_scale import NoiseScale
-from wayline_fusion.records import LastPose, Saved, SensorCalibration
-from wayline_fusion.states import Floats, States
+from wayline_fusion.architectures.estimator import Snapshot
+from wayline_fusion.evidence.bias_wander import BiasWander
+from wayline_fusion.evidence.memory import Memory
+from wayline_fusion.evidence.noise_scale import NoiseScale
+from wayline_fusion.filter.states import Floats, States
+from wayline_fusion.keeping.records import LastPose, Saved, SensorCalibration
 
 S = States
 CALIBRATED = (S.GYRO_BIAS, S.GYRO_SCALE, S.ODOMETER_SCALE, S.LATENCY)

@@ -6,13 +6,13 @@ import msgspec
 import numpy as np
 
 from wayline.messages import Verdict
-from wayline_fusion import measurements
-from wayline_fusion.estimate import Estimate
-from wayline_fusion.events import Fix
-from wayline_fusion.gate import alarmed, judge, nis_of, threshold
-from wayline_fusion.lockout import patience_s, rejected
-from wayline_fusion.measurements import Measurement
-from wayline_fusion.states import Floats
+from wayline_fusion.evidence.lockout import patience_s, rejected
+from wayline_fusion.filter import measurements
+from wayline_fusion.filter.estimate import Estimate
+from wayline_fusion.filter.gate import alarmed, judge, nis_of, threshold
+from wayline_fusion.filter.measurements import Measurement
+from wayline_fusion.filter.states import Floats
+from wayline_fusion.intake.events import Fix
 
 POSITION_FACTOR_MIN = 0.05
 """Of the claimed white variance; a receiver that smooths shows none."""

@@ -7,12 +7,12 @@ import msgspec
 from wayline.geo import wrap_360
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
-from wayline_fusion.gate import alarmed, judge, nis_of
-from wayline_fusion.gyro_track import GyroTrack
-from wayline_fusion.horizontal import DrivingNoise, HorizontalFilter
-from wayline_fusion.measurements import Measurement
-from wayline_fusion.memory import Memory
-from wayline_fusion.states import States
+from wayline_fusion.evidence.memory import Memory
+from wayline_fusion.filter.gate import alarmed, judge, nis_of
+from wayline_fusion.filter.gyro_track import GyroTrack
+from wayline_fusion.filter.horizontal import DrivingNoise, HorizontalFilter
+from wayline_fusion.filter.measurements import Measurement
+from wayline_fusion.filter.states import States
 
 WHEELS_FRESH_NS = 2_000_000_000
 """A wheel speed this old no longer says that the vehicle moves or stands."""

@@ -2,16 +2,16 @@
 
 import math
 
-from wayline_fusion import measurements
-from wayline_fusion.bias_wander import Walk
-from wayline_fusion.estimate import SCALE_UNKNOWN, SPEED_UNKNOWN_MPS, Estimate
-from wayline_fusion.events import Fix
-from wayline_fusion.gate import nis_of, threshold
-from wayline_fusion.lockout import course_rejected
-from wayline_fusion.manoeuvre import allow_manoeuvre
-from wayline_fusion.measurements import Measurement
-from wayline_fusion.states import States
-from wayline_fusion.streak import after, lasted_s
+from wayline_fusion.aids.manoeuvre import allow_manoeuvre
+from wayline_fusion.evidence.bias_wander import Walk
+from wayline_fusion.evidence.lockout import course_rejected
+from wayline_fusion.evidence.streak import after, lasted_s
+from wayline_fusion.filter import measurements
+from wayline_fusion.filter.estimate import SCALE_UNKNOWN, SPEED_UNKNOWN_MPS, Estimate
+from wayline_fusion.filter.gate import nis_of, threshold
+from wayline_fusion.filter.measurements import Measurement
+from wayline_fusion.filter.states import States
+from wayline_fusion.intake.events import Fix
 
 VELOCITY_FACTOR_MIN = 0.3
 VELOCITY_FACTOR_MIN_ALONE = 1.0

@@ -19,10 +19,10 @@ from wayline.geo import LocalPlane, wrap_360
 from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
-from wayline_fusion.architecture import Motion, Progress, SensorErrors
-from wayline_fusion.events import Event, Fix, Step
-from wayline_fusion.moving_plane import moved_along
-from wayline_fusion.states import Floats
+from wayline_fusion.architectures.architecture import Motion, Progress, SensorErrors
+from wayline_fusion.filter.plane import moved_along
+from wayline_fusion.filter.states import Floats
+from wayline_fusion.intake.events import Event, Fix, Step
 
 SPEED_UNKNOWN_MPS = 40.0
 """Per axis, at the first fix."""

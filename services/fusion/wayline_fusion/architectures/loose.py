@@ -3,9 +3,9 @@
 import math
 from typing import ClassVar
 
-from wayline_fusion.architecture import Motion, Progress, SensorErrors
-from wayline_fusion.estimator import Estimator
-from wayline_fusion.states import States
+from wayline_fusion.architectures.architecture import Motion, Progress, SensorErrors
+from wayline_fusion.architectures.estimator import Estimator
+from wayline_fusion.filter.states import States
 
 S = States
 

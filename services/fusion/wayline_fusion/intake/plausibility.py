@@ -5,7 +5,7 @@ import math
 import msgspec
 
 from wayline.messages import Barometer, GpsFix, Gyro, Odometer, Verdict
-from wayline_fusion.frozen_receiver import FrozenReceiver
+from wayline_fusion.intake.frozen_receiver import FrozenReceiver
 
 FASTEST_MPS = 150.0
 """Faster than any road vehicle, slower than a reading in wrong units or with torn bits."""

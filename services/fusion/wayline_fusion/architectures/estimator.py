@@ -7,14 +7,14 @@ import msgspec
 from wayline.geo import LocalPlane
 from wayline.grid import LONGEST_GAP_NS
 from wayline.tuning import Tuning
-from wayline_fusion.estimate import Estimate
-from wayline_fusion.events import ClockStep, Event, Fix, GyroRestarted, Step, WheelSpeed
-from wayline_fusion.memory import Memory
-from wayline_fusion.moved import contradiction, tells_course
-from wayline_fusion.positions import place, take_position
-from wayline_fusion.states import Floats, States
-from wayline_fusion.velocities import take_course, take_speed
-from wayline_fusion.wheels import stand_still, take_wheel_speed
+from wayline_fusion.aids.kept_pose import contradiction, tells_course
+from wayline_fusion.aids.positions import place, take_position
+from wayline_fusion.aids.velocities import take_course, take_speed
+from wayline_fusion.aids.wheels import stand_still, take_wheel_speed
+from wayline_fusion.evidence.memory import Memory
+from wayline_fusion.filter.estimate import Estimate
+from wayline_fusion.filter.states import Floats, States
+from wayline_fusion.intake.events import ClockStep, Event, Fix, GyroRestarted, Step, WheelSpeed
 
 LONGEST_STEP_NS = 500_000_000
 PLANE_RADIUS_M = 1_000.0

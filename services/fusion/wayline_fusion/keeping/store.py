@@ -9,8 +9,8 @@ from sqlalchemy.dialects import postgresql, sqlite
 
 from wayline.core import Record
 from wayline.database import write_transaction
-from wayline_fusion.records import LastPose, Saved, SensorCalibration
-from wayline_fusion.tables import VEHICLES
+from wayline_fusion.keeping.records import LastPose, Saved, SensorCalibration
+from wayline_fusion.keeping.tables import VEHICLES
 
 
 class FusionStore:

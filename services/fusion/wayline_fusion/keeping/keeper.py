@@ -1,11 +1,11 @@
 """Pure: takes what is known of a vehicle over a restart."""
 
 from wayline.tuning import Tuning
-from wayline_fusion.events import GyroRestarted
-from wayline_fusion.loose import Loose
-from wayline_fusion.records import Saved
-from wayline_fusion.restart import is_after, kept, resumed
-from wayline_fusion.save_times import SaveTimes, is_silent
+from wayline_fusion.architectures.loose import Loose
+from wayline_fusion.intake.events import GyroRestarted
+from wayline_fusion.keeping.records import Saved
+from wayline_fusion.keeping.restart import is_after, kept, resumed
+from wayline_fusion.keeping.save_times import SaveTimes, is_silent
 
 
 class Keeper:

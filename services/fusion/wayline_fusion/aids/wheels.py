@@ -2,15 +2,15 @@
 
 import math
 
-from wayline_fusion import measurements
-from wayline_fusion.estimate import SCALE_UNKNOWN, SPEED_UNKNOWN_MPS, Estimate
-from wayline_fusion.events import Step, WheelSpeed
-from wayline_fusion.gate import judge, nis_of, threshold
-from wayline_fusion.manoeuvre import allow_manoeuvre
-from wayline_fusion.measurements import Measurement
-from wayline_fusion.memory import Rolled
-from wayline_fusion.states import States
-from wayline_fusion.streak import after, lasted_s
+from wayline_fusion.aids.manoeuvre import allow_manoeuvre
+from wayline_fusion.evidence.memory import Rolled
+from wayline_fusion.evidence.streak import after, lasted_s
+from wayline_fusion.filter import measurements
+from wayline_fusion.filter.estimate import SCALE_UNKNOWN, SPEED_UNKNOWN_MPS, Estimate
+from wayline_fusion.filter.gate import judge, nis_of, threshold
+from wayline_fusion.filter.measurements import Measurement
+from wayline_fusion.filter.states import States
+from wayline_fusion.intake.events import Step, WheelSpeed
 
 DOPPLER_FRESH_NS = 3_000_000_000
 """Older, the speed of a fix says nothing against wheels."""

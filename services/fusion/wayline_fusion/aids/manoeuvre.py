@@ -2,8 +2,8 @@
 
 import math
 
-from wayline_fusion.estimate import Estimate
-from wayline_fusion.measurements import Measurement
+from wayline_fusion.filter.estimate import Estimate
+from wayline_fusion.filter.measurements import Measurement
 
 SHORTEST_S = 0.1
 """Wheel speeds may come faster, and from rest they begin with a jump."""

@@ -15,8 +15,8 @@ from filterpy.kalman import KalmanFilter
 
 from wayline.geo import wrap_pi
 from wayline.tuning import Tuning
-from wayline_fusion.measurements import Measurement
-from wayline_fusion.states import SIZE, Floats, States
+from wayline_fusion.filter.measurements import Measurement
+from wayline_fusion.filter.states import SIZE, Floats, States
 
 S = States
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wayline.geo import wrap_pi
-from wayline_fusion.states import SIZE, Floats, States
+from wayline_fusion.filter.states import SIZE, Floats, States
 
 S = States
 
