@@ -147,10 +147,12 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Besides its resolution."""
     baro_resolution_std_max_m: Positive = 5.0
     """Coarser barometers say nothing of the road."""
-    altitude_gate_nis: Positive = 15.0
-    """Altitude of a fix further off than this (squared, in stds) is left out..."""
-    altitude_rejections_max: int = 10
-    """...unless this many in a row were."""
+    baro_relock_after_s: Positive = 10.0
+    """Pressures rejected this long: a window was opened; a tunnel's gust is over sooner."""
+    gps_altitude_error_time_s: Positive = 120.0
+    """Correlation time of an altitude's error: satellites and air change in minutes."""
+    gps_altitude_error_share: Probability = 0.9
+    """Share of an altitude's variance that varies slowly; the rest is white."""
 
     # eta
     route_filter: Literal["default", "avl"] = "default"

@@ -2,8 +2,8 @@
 
 import math
 
+from wayline.likelihood import Measurement
 from wayline_fusion.filter.estimate import Estimate
-from wayline_fusion.filter.measurements import Measurement
 
 SHORTEST_S = 0.1
 """Wheel speeds may come faster, and from rest they begin with a jump."""
@@ -18,8 +18,10 @@ def allow_manoeuvre(
 ) -> bool:
     """Whether tyres can make of the speed at `since_ns` this one, which fails the gate.
 
-    If so, the acceleration is doubted by as much. What changes faster is left rejected: wheels that
-    locked or spin.
+    Starts: a speed of wheels or of a fix fails the gate, and none was rejected just before. Goes
+    on: never, the next speed is judged by what this one has made of the acceleration. Stops: what
+    changes faster than tyres can is left rejected: wheels that locked or spin. Resets: nothing;
+    the acceleration is doubted by as much as the speed is off.
     """
     if since_ns is None:
         return False
@@ -29,5 +31,5 @@ def allow_manoeuvre(
     most_mps = estimate.tuning.acceleration_max_mps2 * over_s + noise_mps
     if over_s > LONGEST_S or gained_mps > most_mps:
         return False
-    estimate.filter.manoeuvre(gained_mps, over_s)
+    estimate.filter.inflate_acceleration(gained_mps, over_s)
     return True

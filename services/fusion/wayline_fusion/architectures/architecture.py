@@ -4,21 +4,13 @@ papers/001 names ways to bring GPS and dead reckoning together, papers/003 filte
 Each takes the same events; the core publishes what it knows and never asks which one it has.
 """
 
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, Protocol
 
 import msgspec
 
 from wayline.messages import Verdict
+from wayline_fusion.filter.vertical import Progress
 from wayline_fusion.intake.events import Event
-
-
-class Progress(NamedTuple):
-    """How far the vehicle has come."""
-
-    t_ns: int
-    distance_m: float
-    """Travelled since the start."""
-    backwards: bool
 
 
 class Motion(msgspec.Struct, frozen=True, kw_only=True):
@@ -59,6 +51,11 @@ class Architecture(Protocol):
 
     uses_vehicle: ClassVar[bool]
     """Whether gyro and wheels count: without them a pose is one of GPS."""
+
+    @property
+    def takes(self) -> frozenset[type[Event]]:
+        """The kinds of events that it wants to be given."""
+        ...
 
     def take_gyro(self, t_ns: int, rate_radps: float, rounding_std_radps: float) -> None:
         """Take a gyro sample, clockwise, and the std of the gyro's steps."""

@@ -19,10 +19,11 @@ from wayline.geo import LocalPlane, wrap_360
 from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
-from wayline_fusion.architectures.architecture import Motion, Progress, SensorErrors
+from wayline_fusion.architectures.architecture import Motion, SensorErrors
 from wayline_fusion.filter.plane import moved_along
 from wayline_fusion.filter.states import Floats
-from wayline_fusion.intake.events import Event, Fix, Step
+from wayline_fusion.filter.vertical import Progress
+from wayline_fusion.intake.events import Elapsed, Event, Fix
 
 SPEED_UNKNOWN_MPS = 40.0
 """Per axis, at the first fix."""
@@ -32,7 +33,7 @@ HEADING_UNKNOWN_RAD = math.pi / math.sqrt(3.0)
 """Std of a direction of which nothing is known."""
 
 
-class States(IntEnum):
+class PlanarStates(IntEnum):
     """Places in the state vector, with the unit of each."""
 
     EAST = 0  # m
@@ -41,7 +42,7 @@ class States(IntEnum):
     NORTH_VELOCITY = 3  # m/s
 
 
-S = States
+S = PlanarStates
 PLACE, VELOCITY = [S.EAST, S.NORTH], [S.EAST_VELOCITY, S.NORTH_VELOCITY]
 PLACE_OF, VELOCITY_OF = np.eye(len(S))[PLACE], np.eye(len(S))[VELOCITY]
 """Measurement matrices."""
@@ -69,7 +70,7 @@ def by_quality(fix: Fix, tuning: Tuning) -> Noise:
     return good if fix.is_good else Noise(*(tuning.bad_gps_factor * std for std in good))
 
 
-class Track(msgspec.Struct, frozen=True):
+class Followed(msgspec.Struct, frozen=True):
     """What is known besides the filter's state."""
 
     t_ns: int = 0
@@ -85,20 +86,21 @@ class Snapshot(NamedTuple):
 
     x: Floats
     P: Floats
-    track: Track
+    track: Followed
 
 
 class GpsOnly:
     """Position and velocity from fixes; gyro and wheels are not listened to."""
 
     uses_vehicle: ClassVar[bool] = False
+    takes: ClassVar[frozenset[type[Event]]] = frozenset({Elapsed, Fix})
 
     def __init__(self, tuning: Tuning, noise_of: NoiseOf) -> None:
         self._tuning = tuning
         self._noise_of = noise_of
         self._filter = KalmanFilter(dim_x=len(S), dim_z=2)
         self._filter.x = np.zeros(len(S))
-        self._track = Track()
+        self._track = Followed()
 
     def take_gyro(self, t_ns: int, rate_radps: float, rounding_std_radps: float) -> None:
         """Not listened to."""
@@ -117,7 +119,7 @@ class GpsOnly:
 
     def apply(self, event: Event) -> None:
         """Bring the state forward to a fix or a tick; the vehicle's events have no part in it."""
-        if isinstance(event, Fix | Step):
+        if isinstance(event, Fix | Elapsed):
             self._advance_to(event.t_ns)
         if isinstance(event, Fix):
             self._fix(event)
@@ -130,7 +132,7 @@ class GpsOnly:
         before = self._track
         elapsed_ns = t_ns - before.t_ns
         if before.t_ns == 0 or elapsed_ns > LONGEST_GAP_NS:
-            self._track = Track(t_ns=t_ns, distance_m=before.distance_m)
+            self._track = Followed(t_ns=t_ns, distance_m=before.distance_m)
             return
         if elapsed_ns <= 0 or before.plane is None:
             self._remember(t_ns=max(t_ns, before.t_ns))
@@ -208,7 +210,8 @@ class GpsOnly:
     @property
     def progress(self) -> Progress:
         """How far the vehicle has come; it never seems to go backwards."""
-        return Progress(self._track.t_ns, self._track.distance_m, backwards=False)
+        speed_mps = math.hypot(*self._filter.x[VELOCITY])
+        return Progress(self._track.t_ns, self._track.distance_m, speed_mps)
 
     def motion(self) -> Motion:
         """Where the vehicle is now."""

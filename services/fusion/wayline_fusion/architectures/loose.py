@@ -1,19 +1,47 @@
 """Pure: loose coupling (papers/001, 2 a): position, speed and course calibrate the sensors."""
 
 import math
+from collections.abc import Mapping
 from typing import ClassVar
 
-from wayline_fusion.architectures.architecture import Motion, Progress, SensorErrors
-from wayline_fusion.architectures.estimator import Estimator
+from wayline.tuning import Tuning
+from wayline_fusion.aids.clock_jump import ClockJump
+from wayline_fusion.aids.course import Course
+from wayline_fusion.aids.gyro_restart import GyroRestart
+from wayline_fusion.aids.gyro_wander import GyroWander
+from wayline_fusion.aids.kept_pose import KeptPose
+from wayline_fusion.aids.manoeuvre import allow_manoeuvre
+from wayline_fusion.aids.position import Position
+from wayline_fusion.aids.rest import Rest
+from wayline_fusion.aids.speed import Speed
+from wayline_fusion.aids.wheels import Wheels
+from wayline_fusion.architectures.architecture import Motion, SensorErrors
+from wayline_fusion.filter.estimate import Aid, Estimate
 from wayline_fusion.filter.states import States
+from wayline_fusion.filter.vertical import Progress
+from wayline_fusion.intake.events import (
+    ClockStep,
+    Elapsed,
+    Event,
+    Fix,
+    GpsCourse,
+    GpsPosition,
+    GpsSpeed,
+    GyroCheck,
+    GyroRestarted,
+    WheelSpeed,
+)
 
 S = States
 
 
-class Loose(Estimator):
-    """The horizontal estimator as an architecture."""
+class Loose(Estimate):
+    """The horizontal estimate with all aids, as an architecture."""
 
     uses_vehicle: ClassVar[bool] = True
+
+    def __init__(self, tuning: Tuning) -> None:
+        super().__init__(tuning, aids())
 
     def take_gyro(self, t_ns: int, rate_radps: float, rounding_std_radps: float) -> None:
         """Append to the measured turn, which predictions read."""
@@ -23,26 +51,26 @@ class Loose(Estimator):
     @property
     def progress(self) -> Progress:
         """How far the vehicle has come."""
-        return Progress(self.t_ns, self.distance_m, float(self.filter.x[S.WHEEL_SPEED]) < 0.0)
+        return Progress(self.t_ns, self.distance_m, self.filter.speed_mps)
 
     def motion(self) -> Motion:
         """Where the vehicle is now."""
-        memory, kalman = self.memory, self.filter
+        situation, kalman = self.situation, self.filter
         place_deg = self.geodetic()
         moving = place_deg is not None or self.wheels_fresh
         return Motion(
             t_ns=self.t_ns,
-            accepted_fix_ns=memory.accepted_fix_ns,
+            accepted_fix_ns=situation.accepted_fix_ns,
             place_deg=place_deg,
             east_std_m=kalman.std(S.EAST),
             north_std_m=kalman.std(S.NORTH),
             east_north_cov_m2=float(kalman.P[S.EAST, S.NORTH]),
-            heading_deg=self.heading_deg() if memory.heading_known else None,
+            heading_deg=self.heading_deg() if situation.heading_known else None,
             heading_std_deg=math.degrees(kalman.std(S.HEADING)),
             speed_mps=kalman.speed_mps if moving else None,
             speed_std_mps=kalman.speed_std_mps,
             yaw_rate_degps=self._yaw_rate_degps(),
-            is_unconfirmed=memory.position_unconfirmed,
+            is_unconfirmed=situation.position_unconfirmed,
         )
 
     def _yaw_rate_degps(self) -> float | None:
@@ -64,3 +92,18 @@ class Loose(Estimator):
             gps_latency_s=float(kalman.x[S.LATENCY]),
             gps_latency_std_s=kalman.std(S.LATENCY),
         )
+
+
+def aids() -> Mapping[type[Event], Aid]:
+    """Fresh ones, by the event that each takes."""
+    return {
+        Fix: KeptPose(),
+        GpsSpeed: Speed(allow_manoeuvre),
+        GpsCourse: Course(),
+        GyroCheck: GyroWander(),
+        GpsPosition: Position(),
+        WheelSpeed: Wheels(allow_manoeuvre),
+        Elapsed: Rest(),
+        GyroRestarted: GyroRestart(),
+        ClockStep: ClockJump(),
+    }

@@ -15,12 +15,13 @@ from wayline.geo import LocalPlane, wrap_360
 from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
-from wayline_fusion.architectures.architecture import Motion, Progress, SensorErrors
+from wayline_fusion.architectures.architecture import Motion, SensorErrors
 from wayline_fusion.filter.gyro_track import GyroTrack
 from wayline_fusion.filter.horizontal import DrivingNoise, HorizontalFilter
 from wayline_fusion.filter.plane import moved_along
 from wayline_fusion.filter.states import Floats, States
-from wayline_fusion.intake.events import Event, Fix, WheelSpeed
+from wayline_fusion.filter.vertical import Progress
+from wayline_fusion.intake.events import ClockStep, Elapsed, Event, Fix, WheelSpeed
 
 S = States
 WHEELS_FRESH_NS = 2_000_000_000
@@ -52,6 +53,7 @@ class Uncoupled:
     """Dead reckoning from the last fix without feedback."""
 
     uses_vehicle: ClassVar[bool] = True
+    takes: ClassVar[frozenset[type[Event]]] = frozenset({ClockStep, Elapsed, Fix, WheelSpeed})
 
     def __init__(self, tuning: Tuning) -> None:
         self._tuning = tuning
@@ -99,7 +101,7 @@ class Uncoupled:
         before, kalman = self._reckoned, self._filter
         elapsed_ns = t_ns - before.t_ns
         if before.t_ns == 0 or elapsed_ns > LONGEST_GAP_NS:
-            kalman.forget_motion()
+            kalman.reset_motion()
             self._reckoned = Reckoned(t_ns=t_ns, distance_m=before.distance_m)
         elif elapsed_ns > 0:
             turn_rad = self._gyro.turned_rad(before.t_ns, t_ns)
@@ -120,15 +122,13 @@ class Uncoupled:
         x = self._filter.x
         moved = moved_along(self._reckoned.plane, float(x[S.EAST]), float(x[S.NORTH]))
         if moved is not None:
-            self._filter.x = x.copy()
-            self._filter.x[S.EAST] = self._filter.x[S.NORTH] = 0.0
-            self._filter.x[S.HEADING] += moved.turn_rad
+            self._filter.recentre(moved.turn_rad)
             self._remember(plane=moved.plane)
 
     def _fix(self, fix: Fix) -> None:
         """Start from a fix anew, along its course where it has one worth the name."""
         plane = self._reckoned.plane or LocalPlane(fix.lat_deg, fix.lon_deg)
-        self._filter.place(*plane.to_plane(fix.lat_deg, fix.lon_deg), fix.position_std_m)
+        self._filter.reset_position(*plane.to_plane(fix.lat_deg, fix.lon_deg), fix.position_std_m)
         self._remember(plane=plane, fix_ns=fix.t_ns)
         if fix.speed_mps is None:
             return
@@ -138,24 +138,19 @@ class Uncoupled:
             floor_rad = math.radians(self._tuning.gps_course_std_deg)
             std_rad = fix.course_std_rad or fix.speed_std_mps / fix.speed_mps
             backwards_rad = math.pi if self._filter.x[S.WHEEL_SPEED] < 0.0 else 0.0
-            self._filter.turn_to(fix.course_rad + backwards_rad, math.hypot(std_rad, floor_rad))
+            heading_rad = fix.course_rad + backwards_rad
+            self._filter.reset_heading(heading_rad, math.hypot(std_rad, floor_rad))
             self._remember(heading_known=True)
 
     def _set_speed(self, speed_mps: float, std_mps: float, *, by_wheels: bool) -> None:
         """Set the speed; that of the wheels is off by their scale, that of a fix is not."""
-        kalman = self._filter
-        kalman.x, kalman.P = kalman.x.copy(), kalman.P.copy()
-        shared = 0.0 if by_wheels else -speed_mps * kalman.P[S.ODOMETER_SCALE]
-        kalman.x[S.WHEEL_SPEED] = speed_mps
-        kalman.P[S.WHEEL_SPEED, :] = kalman.P[:, S.WHEEL_SPEED] = shared
-        scale_mps = 0.0 if by_wheels else speed_mps * kalman.std(S.ODOMETER_SCALE)
-        kalman.P[S.WHEEL_SPEED, S.WHEEL_SPEED] = std_mps**2 + scale_mps**2
+        self._filter.reset_wheel_speed(speed_mps, std_mps, is_over_ground=not by_wheels)
 
     @property
     def progress(self) -> Progress:
         """How far the vehicle has come."""
-        backwards = bool(self._filter.x[S.WHEEL_SPEED] < 0.0)
-        return Progress(self._reckoned.t_ns, self._reckoned.distance_m, backwards)
+        reckoned = self._reckoned
+        return Progress(reckoned.t_ns, reckoned.distance_m, self._filter.speed_mps)
 
     def motion(self) -> Motion:
         """Where the vehicle is now."""

@@ -1,15 +1,17 @@
-"""Pure: the chi-square gate. A measurement too unlikely for its stds is rejected, and said so."""
+"""Pure: the one way in which a measurement is tried: likely enough it corrects, else it is told of.
+
+The gate is chi-square's: a measurement too unlikely for its own and the filter's stds is rejected.
+What an aid wants otherwise it says in its `Policy`.
+"""
 
 import math
-from functools import cache
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
 
-import msgspec
 import numpy as np
-from scipy.special import chdtri
 
+from wayline.likelihood import Floats, Measurement, nis_of, threshold
 from wayline.messages import Verdict
-from wayline_fusion.filter.measurements import Measurement
-from wayline_fusion.filter.states import Floats
 
 WIDEST = {
     "gps_position": 1_000.0,
@@ -19,38 +21,117 @@ WIDEST = {
 }
 """How far off a measurement of each sensor can be (SI); a gate as wide rejects none. Positions
 can be further off, but a fix that displaces a vehicle by a kilometre should not pass unsaid."""
+TOO_FAR = "too far from the prediction for its and the filter's stds"
+TOO_WIDE = "no measurement could be rejected: the filter's or the sensor's std is too large"
+
+Weigh = Callable[[Measurement, Floats], Measurement]
+"""From a measurement and its H P H' to the measurement as it is to count."""
 
 
-@cache
-def threshold(dimension: int, probability: float) -> float:
-    """Bound of the normalised innovation squared that good measurements pass this often."""
-    return float(chdtri(dimension, 1.0 - probability))
+class Policy(NamedTuple):
+    """How an aid wants its measurement to be tried."""
+
+    probability: float
+    """Good measurements pass the gate this often."""
+    second_look: Callable[[Measurement], bool] | None = None
+    """Asked before an unlikely one is rejected: whether something was doubted, so that it is to be
+    judged again."""
+    weigh: Weigh | None = None
+    """What a likely one counts for; None: as it is."""
+    update: Callable[[Measurement], None] | None = None
+    """What a likely one does; None: it corrects."""
+    tells_accepted: bool = True
+    """Whether a likely one gets a verdict too; an unlikely one always does."""
+    reason: str = TOO_FAR
+    """Said of an unlikely one."""
 
 
-def nis_of(measurement: Measurement, expected: Floats) -> float:
-    """Normalised innovation squared; `expected` is H P H'."""
-    y, noise = measurement.y, measurement.R
-    if len(y) == 1:
-        return float(y[0]) ** 2 / (float(expected[0, 0]) + float(noise[0, 0]))
-    return float(y @ np.linalg.solve(expected + noise, y))
+class Outcome(NamedTuple):
+    """What has become of a measurement."""
+
+    is_accepted: bool
+    off: Floats
+    """The innovation."""
+    expected: Floats
+    """Its covariance without the measurement's own noise, H P H', before anything was doubted."""
+    nis: float
+    threshold: float
 
 
-def judge(sensor: str, t_ns: int, nis: float, dimension: int, probability: float) -> Verdict:
-    """Accept or reject a measurement by its normalised innovation squared."""
-    limit = threshold(dimension, probability)
-    accepted = nis <= limit
-    reason = None if accepted else "too far from the prediction for its and the filter's stds"
+UNUSED = Outcome(is_accepted=False, off=np.empty(0), expected=np.empty((0, 0)), nis=0, threshold=0)
+"""Of an event that had nothing to be measured by: it set a state, or said nothing."""
+
+
+class Corrected(Protocol):
+    """A filter, as the gate needs it."""
+
+    def expected(self, measurement: Measurement) -> Floats:
+        """H P H'."""
+        ...
+
+
+class Estimating(Protocol):
+    """What is believed, and where verdicts go."""
+
+    @property
+    def filter(self) -> Corrected:
+        """Tells what is expected."""
+        ...
+
+    @property
+    def verdicts(self) -> list[Verdict]:
+        """To be told."""
+        ...
+
+    def correct(self, measurement: Measurement) -> None:
+        """Update the state."""
+        ...
+
+
+def try_measurement(
+    estimate: Estimating, measurement: Measurement, t_ns: int, policy: Policy
+) -> Outcome:
+    """Judge a measurement, tell the verdict, and update the state with a likely one."""
+    expected = judged_by = estimate.filter.expected(measurement)
+    nis = nis_of(measurement, expected)
+    limit = threshold(len(measurement.y), policy.probability)
+    if nis > limit and policy.second_look is not None and policy.second_look(measurement):
+        judged_by = estimate.filter.expected(measurement)
+        nis = nis_of(measurement, judged_by)
+    if nis > limit:
+        estimate.verdicts.append(
+            verdict(measurement.sensor, t_ns, nis, limit, reason=policy.reason, accepted=False)
+        )
+        return Outcome(False, measurement.y, expected, nis, limit)
+    if policy.weigh is not None:
+        measurement = policy.weigh(measurement, judged_by)
+        nis = nis_of(measurement, judged_by)
+    if policy.tells_accepted:
+        reason = alarm(measurement, judged_by, limit)
+        estimate.verdicts.append(verdict(measurement.sensor, t_ns, nis, limit, reason=reason))
+    (policy.update or estimate.correct)(measurement)
+    return Outcome(True, measurement.y, expected, nis, limit)
+
+
+def alarm(measurement: Measurement, expected: Floats, limit: float) -> str | None:
+    """What is wrong with a gate that let a measurement pass: it cannot fire."""
+    widest = WIDEST.get(measurement.sensor)
+    if widest is None:
+        return None
+    variance = float((expected + measurement.R).diagonal().max())
+    return None if limit * variance < widest**2 else TOO_WIDE
+
+
+def verdict(
+    sensor: str,
+    t_ns: int,
+    nis: float = 0.0,
+    limit: float = 0.0,
+    *,
+    reason: str | None,
+    accepted: bool = True,
+) -> Verdict:
+    """As `fusion_status` tells it."""
     return Verdict(
         sensor=sensor, t_ns=t_ns, accepted=accepted, nis=nis, threshold=limit, reason=reason
     )
-
-
-def alarmed(verdict: Verdict, measurement: Measurement, expected: Floats) -> Verdict:
-    """The verdict, with a reason also to an accepted one where the gate cannot fire."""
-    if not verdict.accepted:
-        return verdict
-    variance = float((expected + measurement.R).diagonal().max())
-    if verdict.threshold * variance < WIDEST.get(verdict.sensor, math.inf) ** 2:
-        return verdict
-    reason = "no measurement could be rejected: the filter's or the sensor's std is too large"
-    return msgspec.structs.replace(verdict, reason=reason)

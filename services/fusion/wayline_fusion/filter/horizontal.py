@@ -5,6 +5,11 @@ The Gauss-Markov and random-walk models are those of papers/001, "Loose coupling
 no variances, ours and their reasons are in `wayline.tuning`. The acceleration is a first-order
 Gauss-Markov process too (R. A. Singer, Estimating optimal tracking filter performance for manned
 maneuvering targets, 1970).
+
+What changes the covariance besides prediction and update has one of three names. `reset_` forgets
+what a state had to do with the others, `inflate_` adds doubt and keeps that, `project_` moves a
+shaping state on as time would. docs/fusion.md has the table of who may call which, and a test
+holds the code to it.
 """
 
 import math
@@ -14,14 +19,18 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 
 from wayline.geo import wrap_pi
+from wayline.likelihood import Measurement
 from wayline.tuning import Tuning
-from wayline_fusion.filter.measurements import Measurement
 from wayline_fusion.filter.states import SIZE, Floats, States
 
 S = States
 
-MOTION = (S.EAST, S.NORTH, S.HEADING, S.WHEEL_SPEED, S.ACCELERATION, S.GPS_EAST, S.GPS_NORTH)
+OF_MOTION = (S.EAST, S.NORTH, S.HEADING, S.WHEEL_SPEED, S.ACCELERATION, S.GPS_EAST, S.GPS_NORTH)
 """All but the sensors' calibration."""
+SPEED_UNKNOWN_MPS = 40.0
+"""Std of a speed that may be any."""
+SCALE_UNKNOWN = 0.2
+"""Of other tyres, or of a speed in a unit that was guessed."""
 STANDING_MPS_PER_SQRT_S = 0.05
 """What is left to the speed of a vehicle that stands."""
 
@@ -53,7 +62,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
             1e4,
             1e4,
             math.pi,
-            40.0,
+            SPEED_UNKNOWN_MPS,
             math.radians(tuning.gyro_bias_initial_std_degps),
             tuning.gyro_scale_initial_std,
             tuning.odometer_scale_initial_std,
@@ -174,7 +183,9 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.correct(measurement)
         self.x[state], self.P[state, state] = value, variance
 
-    def place(self, east_m: float, north_m: float, std_m: float, doubt_m: float = 0.0) -> None:
+    def reset_position(
+        self, east_m: float, north_m: float, std_m: float, doubt_m: float = 0.0
+    ) -> None:
         """Set the position to a fix, forgetting where it was (start, or after a lock-out).
 
         `doubt_m` is the std of a displacement that this fix and those that follow may share.
@@ -193,8 +204,8 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
             self.P[error, error] = shared_m2 / slow_std_m**2
             self.P[axis, error] = self.P[error, axis] = -shared_m2 / slow_std_m
 
-    def renew_fixes_error(self, kept: float) -> None:
-        """Let only a part of the fixes' slow error go on, and a new one come."""
+    def project_fix_error(self, kept: float) -> None:
+        """Let only a part of the fixes' slow error go on, and a new one come, as time would."""
         self.x, self.P = self.x.copy(), self.P.copy()
         for error in (S.GPS_EAST, S.GPS_NORTH):
             self.x[error] *= kept
@@ -202,31 +213,40 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
             self.P[:, error] *= kept
             self.P[error, error] += 1.0 - kept**2
 
-    def turn_to(self, heading_rad: float, std_rad: float) -> None:
+    def reset_heading(self, heading_rad: float, std_rad: float) -> None:
         """Set the heading, forgetting what it was."""
         self.x, self.P = self.x.copy(), self.P.copy()
         self.x[S.HEADING] = wrap_pi(heading_rad)
         self.P[S.HEADING, :] = self.P[:, S.HEADING] = 0.0
         self.P[S.HEADING, S.HEADING] = std_rad**2
 
-    def forget_motion(self) -> None:
+    def reset_motion(self) -> None:
         """Forget position, heading, speed and the fixes' error; keep the sensors' calibration."""
         self.x, self.P = self.x.copy(), self.P.copy()
         initial = np.square(self._initial_stds())
-        for state in MOTION:
+        for state in OF_MOTION:
             self.x[state] = 0.0
             self.P[state, :] = self.P[:, state] = 0.0
             self.P[state, state] = initial[state]
 
-    def go_forward(self) -> None:
-        """Forget a speed that noise made negative, where no wheel has said reverse."""
+    def reset_speed(self) -> None:
+        """Forget the speed: noise has made it negative, and no wheel has said reverse."""
         self.x, self.P = self.x.copy(), self.P.copy()
         self.x[S.WHEEL_SPEED] = 0.0
         self.P[S.WHEEL_SPEED, :] = self.P[:, S.WHEEL_SPEED] = 0.0
         self.P[S.WHEEL_SPEED, S.WHEEL_SPEED] = self._tuning.acceleration_noise_mps_per_sqrt_s**2
 
-    def manoeuvre(self, gained_mps: float, over_s: float) -> None:
-        """Let the vehicle have sped up or braked by about so much, at an even rate."""
+    def reset_wheel_speed(self, speed_mps: float, std_mps: float, *, is_over_ground: bool) -> None:
+        """Set the wheel speed; one that was measured over ground is off by the wheels' scale."""
+        self.x, self.P = self.x.copy(), self.P.copy()
+        shared = -speed_mps * self.P[S.ODOMETER_SCALE] if is_over_ground else 0.0
+        self.x[S.WHEEL_SPEED] = speed_mps
+        self.P[S.WHEEL_SPEED, :] = self.P[:, S.WHEEL_SPEED] = shared
+        scale_mps = speed_mps * self.std(S.ODOMETER_SCALE) if is_over_ground else 0.0
+        self.P[S.WHEEL_SPEED, S.WHEEL_SPEED] = std_mps**2 + scale_mps**2
+
+    def inflate_acceleration(self, gained_mps: float, over_s: float) -> None:
+        """Doubt the acceleration: the vehicle may have gained or lost so much at an even rate."""
         heading_rad = float(self.x[S.HEADING])
         made = np.zeros(SIZE)
         made[S.ACCELERATION], made[S.WHEEL_SPEED] = gained_mps / over_s, gained_mps
@@ -234,24 +254,30 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         made[S.NORTH] = 0.5 * over_s * gained_mps * math.cos(heading_rad)
         self.P = self.P + np.outer(made, made)
 
-    def rescale(self, wheels_mps: float, std: float) -> None:
+    def reset_scale(self, wheels_mps: float, std: float) -> None:
         """Set the odometer's scale to what makes the speed of a wheel speed that comes next."""
         scale = abs(self.speed_mps / wheels_mps)
-        self.doubt(S.ODOMETER_SCALE, std)
+        self.reset_std(S.ODOMETER_SCALE, std)
         self.x = self.x.copy()
         self.x[S.ODOMETER_SCALE] = scale
 
-    def doubt(self, state: int, std: float) -> None:
-        """Keep a value and trust it no more than this."""
+    def reset_std(self, state: int, std: float) -> None:
+        """Keep a state's value, trust it so much, and forget what it has to do with others."""
         self.P = self.P.copy()
         self.P[state, :] = self.P[:, state] = 0.0
         self.P[state, state] = std**2
 
-    def stray(self, std_m: float) -> None:
-        """Trust the position less: dead reckoning has gone astray by about so much."""
+    def inflate_position(self, std_m: float) -> None:
+        """Doubt the position: dead reckoning has gone astray by about so much."""
         self.P = self.P.copy()
         self.P[S.EAST, S.EAST] += std_m**2
         self.P[S.NORTH, S.NORTH] += std_m**2
+
+    def recentre(self, turn_rad: float) -> None:
+        """Move the plane's origin under the vehicle; headings gain `turn_rad` in the new plane."""
+        self.x = self.x.copy()
+        self.x[S.EAST] = self.x[S.NORTH] = 0.0
+        self.x[S.HEADING] += turn_rad
 
     @property
     def speed_mps(self) -> float:

@@ -4,23 +4,14 @@ papers/001 lists the measurements ("GPS derived heading, velocity and position")
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from wayline.geo import wrap_pi
+from wayline.likelihood import Measurement
 from wayline_fusion.filter.states import SIZE, Floats, States
 
 S = States
-
-
-class Measurement(NamedTuple):
-    """One linearised measurement: innovation y = H dx + noise of covariance R."""
-
-    sensor: str
-    y: Floats
-    H: Floats
-    R: Floats
 
 
 def position(

@@ -1,128 +1,177 @@
-"""Pure: altitude and slope along the road (papers/004), on numpy arrays by filterpy.
+"""Pure: what is believed of altitude and slope, brought forward on fusion's timeline.
 
-The state is driven over distance, not time: z' = z + ds tan(slope) (eq. 4.11 with the horizontal
-distance ds, so that grade = 100 tan(slope)). The barometer is altitude plus a wandering bias,
-which eq. 4.5 leaves out.
+The model is the one that the slope map smooths with (`wayline.vertical`). How far the vehicle has
+come is read from the horizontal estimate, which is never touched from here.
 """
 
-import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
 
-import numpy as np
-from filterpy.kalman import KalmanFilter
+import msgspec
 
+from wayline.likelihood import Floats, Measurement
+from wayline.messages import Verdict
 from wayline.tuning import Tuning
+from wayline.vertical.filter import VerticalFilter
+from wayline.vertical.model import VerticalStates
+from wayline_fusion.filter.gate import Outcome
+from wayline_fusion.intake.events import Event
+
+S = VerticalStates
 
 
-class States:
-    """Places in the state vector, with the unit of each; plain numbers are fast to index by."""
+class Progress(NamedTuple):
+    """How far the vehicle has come."""
 
-    ALTITUDE = 0  # m above mean sea level
-    SLOPE = 1  # tan of the slope angle
-    BARO_BIAS = 2  # m, barometric altitude minus altitude
-    GPS_ERROR = 3  # m, slowly varying error of the fixes' altitude
-
-
-SIZE = 4
-"""Of the state vector."""
-S = States
+    t_ns: int
+    distance_m: float
+    """Travelled since the start."""
+    speed_mps: float
+    """Negative in reverse."""
 
 
-class VerticalFilter:
-    """Kalman filter over `States`; nothing is known before the first altitude."""
+class Travelling(Protocol):
+    """A horizontal estimate."""
 
-    def __init__(self, tuning: Tuning) -> None:
-        self._tuning = tuning
-        self._filter = KalmanFilter(dim_x=SIZE, dim_z=1)
-        self._filter.x = np.zeros(SIZE)
-        self._filter.P = np.diag(
-            [
-                1e6,
-                (tuning.slope_initial_std_pct / 100.0) ** 2,
-                tuning.baro_bias_initial_std_m**2,
-                0.0,
-            ]
-        )
-        self._filter.F = np.eye(SIZE)
-        self._filter.Q = np.zeros((SIZE, SIZE))
-        self._slope_walk = (tuning.slope_walk_pct_per_sqrt_m / 100.0) ** 2
-        self._baro_bias_walk = tuning.baro_bias_walk_m_per_sqrt_s**2
-        self._slow_std_m = 0.0
+    @property
+    def progress(self) -> Progress:
+        """How far the vehicle has come."""
+        ...
+
+
+class VerticalAid(Protocol):
+    """What one kind of event may do to the altitude, like an `Aid` of the horizontal estimate."""
+
+    evidence: Any
+
+    def take(self, estimate: "VerticalEstimate", event: Any) -> Outcome:
+        """Use an event at whose instant the estimate is."""
+        ...
+
+
+class Height(NamedTuple):
+    """Altitude above mean sea level and slope in the direction of travel, positive uphill."""
+
+    alt_m: float
+    alt_std_m: float
+    grade_pct: float
+    grade_std_pct: float
+
+
+class Snapshot(msgspec.Struct, frozen=True, gc=False):
+    """Everything that a rewind sets back."""
+
+    t_ns: int
+    distance_m: float
+    known: bool
+    x: Floats
+    P: Floats
+    slow_stds_m: tuple[float, ...]
+    receivers: tuple[str, ...]
+    evidence: tuple[Any, ...]
+
+
+class VerticalEstimate:
+    """Altitude, slope and the altimeters' slow errors; nothing is known before an altitude."""
+
+    def __init__(
+        self, tuning: Tuning, horizontal: Travelling, aids: Mapping[type[Event], VerticalAid]
+    ) -> None:
+        self.filter = VerticalFilter(tuning)
+        self.tuning = tuning
+        self.verdicts: list[Verdict] = []
         self.known = False
-        self.rejected_in_row = 0
+        """Whether an altitude has been told."""
+        self.t_ns = 0
+        self._distance_m = 0.0
+        self._receivers: tuple[str, ...] = ()
+        self._horizontal = horizontal
+        self._aid_of = aids
+        self._aids = tuple(aids.values())
 
-    def advance(self, distance_m: float, dt_s: float) -> None:
-        """Predict over a distance driven forward (negative in reverse) and the time it took."""
-        F, Q, walk = self._filter.F, self._filter.Q, self._slope_walk
-        length = abs(distance_m)
-        F[S.ALTITUDE, S.SLOPE] = distance_m
-        Q[S.SLOPE, S.SLOPE] = walk * length
-        Q[S.ALTITUDE, S.ALTITUDE] = walk * length**3 / 3.0
-        Q[S.ALTITUDE, S.SLOPE] = Q[S.SLOPE, S.ALTITUDE] = walk * length * distance_m / 2.0
-        kept = math.exp(-dt_s / self._tuning.gps_error_time_s)
-        F[S.GPS_ERROR, S.GPS_ERROR] = kept
-        Q[S.GPS_ERROR, S.GPS_ERROR] = (1.0 - kept**2) * self._slow_std_m**2
-        Q[S.BARO_BIAS, S.BARO_BIAS] = self._baro_bias_walk * dt_s
-        self._filter.predict()
+    @property
+    def takes(self) -> frozenset[type[Event]]:
+        """The kinds of events that bring it forward."""
+        return frozenset(self._aid_of)
 
-    def gps(self, alt_m: float, std_m: float) -> None:
-        """Altitude of a fix; the first one sets the altitude, an unlikely one is left out."""
-        H = np.zeros((1, SIZE))
-        H[0, S.ALTITUDE] = H[0, S.GPS_ERROR] = 1.0
-        slow_std_m = math.sqrt(self._tuning.gps_error_share) * std_m
-        white_std_m = math.sqrt(std_m**2 - slow_std_m**2)
-        self._expect_gps_error(slow_std_m)
-        unlikely = self.known and self._nis(alt_m, H, white_std_m) > self._tuning.altitude_gate_nis
-        if unlikely and self.rejected_in_row < self._tuning.altitude_rejections_max:
-            self.rejected_in_row += 1
+    def apply(self, event: Event) -> None:
+        """Bring the state forward to an event and let its aid take it."""
+        progress = self._horizontal.progress
+        # a pressure does not move the horizontal estimate; it goes on as it went
+        ahead_s = max(event.t_ns - progress.t_ns, 0) * 1e-9
+        distance_m = progress.distance_m + abs(progress.speed_mps) * ahead_s
+        self._advance_to(event.t_ns, distance_m, backwards=progress.speed_mps < 0.0)
+        self._aid_of[type(event)].take(self, event)
+
+    def height_at(self, progress: Progress) -> Height | None:
+        """Altitude and slope where the vehicle has come to; None before the first altitude."""
+        if not self.known:
+            return None
+        backwards = progress.speed_mps < 0.0
+        self._advance_to(progress.t_ns, progress.distance_m, backwards=backwards)
+        kalman = self.filter
+        return Height(
+            kalman.x.item(S.ALTITUDE),
+            kalman.std(S.ALTITUDE),
+            100.0 * kalman.x.item(S.SLOPE),
+            100.0 * kalman.std(S.SLOPE),
+        )
+
+    def baro_bias(self) -> tuple[float, float]:
+        """Barometric altitude minus altitude, and its std."""
+        return self.filter.x.item(S.BARO_BIAS), self.filter.std(S.BARO_BIAS)
+
+    def receiver(self, source: str) -> int:
+        """The number of a receiver; one that is heard for the first time gets the next."""
+        if source not in self._receivers:
+            if self._receivers:
+                self.filter.add_receiver()
+            self._receivers = (*self._receivers, source)
+        return self._receivers.index(source)
+
+    def correct(self, measurement: Measurement) -> None:
+        """Update the state."""
+        self.filter.correct(measurement)
+
+    def tell(self, sensor: str, t_ns: int, reason: str) -> None:
+        """Say that something known was given up."""
+        self.verdicts.append(
+            Verdict(sensor=sensor, t_ns=t_ns, accepted=False, nis=0.0, threshold=0.0, reason=reason)
+        )
+
+    def snapshot(self) -> Snapshot:
+        """The state, for a rewind; what it holds is never changed in place."""
+        kalman = self.filter
+        return Snapshot(
+            self.t_ns,
+            self._distance_m,
+            self.known,
+            kalman.x,
+            kalman.P,
+            kalman.slow_stds_m,
+            self._receivers,
+            tuple([aid.evidence for aid in self._aids]),
+        )
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Set everything back to a snapshot."""
+        self.t_ns, self._distance_m = snapshot.t_ns, snapshot.distance_m
+        self.known, self._receivers = snapshot.known, snapshot.receivers
+        self.filter.set(snapshot.x, snapshot.P, snapshot.slow_stds_m)
+        for aid, evidence in zip(self._aids, snapshot.evidence, strict=True):
+            aid.evidence = evidence
+
+    def take_verdicts(self) -> Sequence[Verdict]:
+        """Verdicts since the last call, those of events applied again after a rewind included."""
+        verdicts, self.verdicts = self.verdicts, []
+        return verdicts
+
+    def _advance_to(self, t_ns: int, distance_m: float, *, backwards: bool) -> None:
+        began_ns, began_m = self.t_ns, self._distance_m
+        if began_ns and t_ns <= began_ns:
             return
-        if unlikely:
-            self._filter.P[S.ALTITUDE, S.ALTITUDE] += (alt_m - self.altitude_m) ** 2
-        self.rejected_in_row = 0
-        self._filter.update(np.array([alt_m]), R=white_std_m**2, H=H)
-        self.known = True
-
-    def _expect_gps_error(self, slow_std_m: float) -> None:
-        """A receiver that becomes surer has lost the error it had; one that doubts may have more.
-
-        So a cold start's error of tens of metres is not carried along for minutes.
-        """
-        kalman, before_m = self._filter, self._slow_std_m
-        self._slow_std_m = slow_std_m
-        if slow_std_m < before_m:
-            shrink = slow_std_m / before_m
-            kalman.x[S.GPS_ERROR] *= shrink
-            kalman.P[S.GPS_ERROR, :] *= shrink
-            kalman.P[:, S.GPS_ERROR] *= shrink
-        else:
-            kalman.P[S.GPS_ERROR, S.GPS_ERROR] += slow_std_m**2 - before_m**2
-
-    def barometer(self, pressure_altitude_m: float, std_m: float) -> None:
-        """Barometric altitude: the altitude plus the bias of weather and sensor."""
-        H = np.zeros((1, SIZE))
-        H[0, S.ALTITUDE] = H[0, S.BARO_BIAS] = 1.0
-        self._filter.update(np.array([pressure_altitude_m]), R=std_m**2, H=H)
-
-    @property
-    def altitude_m(self) -> float:
-        """Altitude above mean sea level."""
-        return float(self._filter.x[S.ALTITUDE])
-
-    @property
-    def grade_pct(self) -> float:
-        """Slope in the direction of travel, positive uphill."""
-        return 100.0 * float(self._filter.x[S.SLOPE])
-
-    @property
-    def baro_bias_m(self) -> float:
-        """Barometric altitude minus altitude."""
-        return float(self._filter.x[S.BARO_BIAS])
-
-    def std(self, state: int) -> float:
-        """One sigma of a state, in the state's own unit."""
-        variance: float = self._filter.P.item(state, state)
-        return 0.0 if variance < 0.0 else math.sqrt(variance)
-
-    def _nis(self, value: float, H: np.ndarray, std_m: float) -> float:
-        innovation = value - float((H @ self._filter.x)[0])
-        variance = float((H @ self._filter.P @ H.T)[0, 0]) + std_m**2
-        return innovation**2 / variance
+        self.t_ns, self._distance_m = t_ns, distance_m
+        if began_ns:
+            driven_m = max(distance_m - began_m, 0.0)
+            elapsed_s = (t_ns - began_ns) * 1e-9
+            self.filter.advance(-driven_m if backwards else driven_m, elapsed_s)

@@ -1,10 +1,14 @@
-"""Pure: what happens to the vehicle, as the horizontal estimator takes it in."""
+"""Pure: what happens to the vehicle, one event for each thing that is to be taken in.
+
+A fix is told part by part, so that each kind of measurement goes its own way: first the fix as a
+whole, which brings the state to its instant, then its speed, course, position and altitude.
+"""
 
 import msgspec
 
 
-class Step(msgspec.Struct, frozen=True, gc=False):
-    """Time passes; keeps prediction steps short."""
+class Elapsed(msgspec.Struct, frozen=True, gc=False):
+    """Time has passed; keeps prediction steps short."""
 
     t_ns: int
 
@@ -18,7 +22,7 @@ class WheelSpeed(msgspec.Struct, frozen=True, gc=False):
 
 
 class Fix(msgspec.Struct, frozen=True, gc=False):
-    """A valid fix; stds are one sigma of its total error, position per axis."""
+    """A valid fix as a whole; stds are one sigma of its total error, position per axis."""
 
     t_ns: int
     lat_deg: float
@@ -35,6 +39,59 @@ class Fix(msgspec.Struct, frozen=True, gc=False):
     """From positions, not by Doppler."""
 
 
+class GpsSpeed(msgspec.Struct, frozen=True, gc=False):
+    """Speed over ground of a fix, which has no sign."""
+
+    t_ns: int
+    speed_mps: float
+    std_mps: float
+
+
+class GpsCourse(msgspec.Struct, frozen=True, gc=False):
+    """Course over ground of a fix, with the speed that it was measured at."""
+
+    t_ns: int
+    course_rad: float
+    std_rad: float | None
+    """None: from the speed's std."""
+    speed_mps: float
+    speed_std_mps: float
+
+
+class GyroCheck(msgspec.Struct, frozen=True, gc=False):
+    """A course has been taken in, and can be held against the turn that the gyro has measured."""
+
+    t_ns: int
+
+
+class GpsPosition(msgspec.Struct, frozen=True, gc=False):
+    """Position of a fix; the std is one sigma of its total error per axis."""
+
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
+    std_m: float
+
+
+class GpsAltitude(msgspec.Struct, frozen=True, gc=False):
+    """Altitude above mean sea level of a fix, with one sigma of its total error."""
+
+    t_ns: int
+    alt_m: float
+    std_m: float
+    source: str
+    """The receiver: each has its own error."""
+
+
+class Pressure(msgspec.Struct, frozen=True, gc=False):
+    """Altitude at which the standard atmosphere has the measured pressure."""
+
+    t_ns: int
+    alt_m: float
+    std_m: float
+    """Of rounding and noise; the weather is the barometer's bias."""
+
+
 class GyroRestarted(msgspec.Struct, frozen=True, gc=False):
     """The gyro, whose calibration was kept, is now so much warmer (or colder) than it was then."""
 
@@ -49,4 +106,33 @@ class ClockStep(msgspec.Struct, frozen=True, gc=False):
     step_s: float
 
 
-Event = Step | WheelSpeed | Fix | GyroRestarted | ClockStep
+Event = (
+    Elapsed
+    | WheelSpeed
+    | Fix
+    | GpsSpeed
+    | GpsCourse
+    | GyroCheck
+    | GpsPosition
+    | GpsAltitude
+    | Pressure
+    | GyroRestarted
+    | ClockStep
+)
+
+
+def parts_of(fix: Fix) -> tuple[Event, ...]:
+    """A fix and its parts in the order in which they are used.
+
+    Speed and course come first: walls that displace a position by metres leave Doppler alone.
+    """
+    position = GpsPosition(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.position_std_m)
+    if fix.speed_mps is None:
+        return fix, position
+    speed = GpsSpeed(fix.t_ns, fix.speed_mps, fix.speed_std_mps)
+    if fix.course_rad is None:
+        return fix, speed, position
+    course = GpsCourse(
+        fix.t_ns, fix.course_rad, fix.course_std_rad, fix.speed_mps, fix.speed_std_mps
+    )
+    return fix, speed, course, GyroCheck(fix.t_ns), position

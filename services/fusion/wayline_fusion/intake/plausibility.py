@@ -4,7 +4,7 @@ import math
 
 import msgspec
 
-from wayline.messages import Barometer, GpsFix, Gyro, Odometer, Verdict
+from wayline.messages import Barometer, GpsFix, Gyro, Odometer
 from wayline_fusion.intake.frozen_receiver import FrozenReceiver
 
 FASTEST_MPS = 150.0
@@ -23,19 +23,6 @@ DILUTION_MAX = 100.0
 """Receivers write 99.9 for none."""
 SPEED_HELD_NS = 1_000_000_000
 """A speed is held this long (SPEC section 2)."""
-
-SENSORS: dict[type[msgspec.Struct], str] = {
-    Barometer: "barometer",
-    GpsFix: "gps_position",
-    Gyro: "gyro",
-    Odometer: "odometer",
-}
-"""Under which name a refusal is told."""
-
-
-def refused(sensor: str, t_ns: int, reason: str) -> Verdict:
-    """Verdict on a reading that was not even compared with the filter's."""
-    return Verdict(sensor=sensor, t_ns=t_ns, accepted=False, nis=0.0, threshold=0.0, reason=reason)
 
 
 def within_reason(fix: GpsFix) -> GpsFix:

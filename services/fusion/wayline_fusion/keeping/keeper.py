@@ -1,17 +1,87 @@
 """Pure: takes what is known of a vehicle over a restart."""
 
+from typing import Protocol
+
 from wayline.tuning import Tuning
-from wayline_fusion.architectures.loose import Loose
+from wayline_fusion.filter.estimate import Snapshot
 from wayline_fusion.intake.events import GyroRestarted
 from wayline_fusion.keeping.records import Saved
 from wayline_fusion.keeping.restart import is_after, kept, resumed
 from wayline_fusion.keeping.save_times import SaveTimes, is_silent
 
 
-class Keeper:
-    """Starts one estimator from what was kept, and says what to keep of it."""
+class Keepable(Protocol):
+    """An estimate that is worth keeping."""
 
-    def __init__(self, estimator: Loose, saved: Saved | None, tuning: Tuning) -> None:
+    t_ns: int
+
+    @property
+    def located(self) -> bool:
+        """Whether position and heading are known."""
+        ...
+
+    @property
+    def standing(self) -> bool:
+        """Whether the vehicle stands."""
+        ...
+
+    def snapshot(self) -> Snapshot:
+        """What is believed now."""
+        ...
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Believe something else."""
+        ...
+
+
+class Keeper(Protocol):
+    """Starts one estimate from what was kept, and says what to keep of it."""
+
+    def begin(self, t_ns: int) -> bool:
+        """Called with a message's instant, before the estimate gets it, until it says True."""
+        ...
+
+    def take_temperature(self, t_ns: int, temperature_c: float) -> GyroRestarted | None:
+        """Of the gyro; the first one says how far what was kept of its bias still holds."""
+        ...
+
+    def due(self, t_ns: int, heard_ns: int | None) -> list[Saved]:
+        """What to keep at a tick; `heard_ns` is when a sensor was heard last."""
+        ...
+
+    def last(self, heard_ns: int | None) -> list[Saved]:
+        """What to keep at the end."""
+        ...
+
+
+class NoKeeper:
+    """For architectures that learn nothing."""
+
+    def begin(self, t_ns: int) -> bool:
+        """There is nothing to begin with."""
+        del t_ns
+        return True
+
+    def take_temperature(self, t_ns: int, temperature_c: float) -> GyroRestarted | None:
+        """No bias was kept that warmth could have changed."""
+        del t_ns, temperature_c
+        return None
+
+    def due(self, t_ns: int, heard_ns: int | None) -> list[Saved]:
+        """There is nothing to keep."""
+        del t_ns, heard_ns
+        return []
+
+    def last(self, heard_ns: int | None) -> list[Saved]:
+        """There is nothing to keep at the end either."""
+        del heard_ns
+        return []
+
+
+class EstimateKeeper:
+    """Keeps calibration and pose."""
+
+    def __init__(self, estimator: Keepable, saved: Saved | None, tuning: Tuning) -> None:
         self._estimator, self._tuning = estimator, tuning
         self._saved = saved
         """Until a message tells how old it is."""

@@ -11,16 +11,17 @@ import numpy as np
 
 from wayline.geo import LocalPlane, wrap_360, wrap_pi
 from wayline.tuning import Tuning
-from wayline_fusion.architectures.estimator import Snapshot
 from wayline_fusion.evidence.bias_wander import BiasWander
-from wayline_fusion.evidence.memory import Memory
+from wayline_fusion.evidence.learned import Learned
 from wayline_fusion.evidence.noise_scale import NoiseScale
+from wayline_fusion.filter.estimate import Snapshot
+from wayline_fusion.filter.situation import Situation
 from wayline_fusion.filter.states import Floats, States
 from wayline_fusion.keeping.records import LastPose, Saved, SensorCalibration
 
 S = States
 CALIBRATED = (S.GYRO_BIAS, S.GYRO_SCALE, S.ODOMETER_SCALE, S.LATENCY)
-MOTION = (S.EAST, S.NORTH, S.HEADING, S.WHEEL_SPEED)
+PLACED = (S.EAST, S.NORTH, S.HEADING, S.WHEEL_SPEED)
 UPPER = np.triu_indices(len(CALIBRATED), 1)
 SCALES_SETTLE_S = 7_200.0
 """Tyres and gyro are cold after two hours; from then on their scales stay."""
@@ -38,7 +39,7 @@ USEFUL_STD_M, USEFUL_STD_DEG = 100.0, 30.0
 
 def kept(snapshot: Snapshot, t_ns: int, gyro_temperature_c: float | None) -> Saved | None:
     """All that is worth keeping of a state; None of one that has lost its numbers."""
-    x, covariance, memory = snapshot.x, snapshot.P, snapshot.memory
+    x, covariance, learned = snapshot.x, snapshot.P, snapshot.learned
     if not math.isfinite(float(x.sum()) + float(covariance.sum())):
         return None
     stds = np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -55,17 +56,19 @@ def kept(snapshot: Snapshot, t_ns: int, gyro_temperature_c: float | None) -> Sav
         gps_latency_std_s=float(stds[S.LATENCY]),
         correlations=tuple(float(each) for each in correlations[UPPER]),
         gyro_temperature_c=gyro_temperature_c,
-        position_noise_factor=memory.position_noise.factor,
-        velocity_noise_factor=memory.velocity_noise.factor,
-        bias_wander_factor=memory.wander.factor,
+        position_noise_factor=learned.position_noise.factor,
+        velocity_noise_factor=learned.doppler_noise.factor,
+        bias_wander_factor=learned.wander.factor,
     )
-    return Saved(t_ns=t_ns, calibration=calibration, pose=_last_pose(x, stds, memory))
+    return Saved(t_ns=t_ns, calibration=calibration, pose=_last_pose(x, stds, snapshot.situation))
 
 
-def _last_pose(x: Floats, stds: Floats, memory: Memory) -> LastPose | None:
-    if memory.plane is None or not memory.heading_known or memory.accepted_fix_ns is None:
+def _last_pose(x: Floats, stds: Floats, situation: Situation) -> LastPose | None:
+    if situation.plane is None or not situation.heading_known:
         return None
-    lat_deg, lon_deg = memory.plane.to_geodetic(float(x[S.EAST]), float(x[S.NORTH]))
+    if situation.accepted_fix_ns is None:
+        return None
+    lat_deg, lon_deg = situation.plane.to_geodetic(float(x[S.EAST]), float(x[S.NORTH]))
     return LastPose(
         lat_deg=lat_deg,
         lon_deg=lon_deg,
@@ -74,7 +77,7 @@ def _last_pose(x: Floats, stds: Floats, memory: Memory) -> LastPose | None:
         heading_deg=wrap_360(math.degrees(float(x[S.HEADING]))),
         heading_std_deg=math.degrees(float(stds[S.HEADING])),
         speed_mps=float(x[S.ODOMETER_SCALE] * x[S.WHEEL_SPEED]),
-        fix_ns=memory.accepted_fix_ns,
+        fix_ns=situation.accepted_fix_ns,
     )
 
 
@@ -123,13 +126,12 @@ def _calibrated(saved: Saved, fresh: Snapshot, t_ns: int, tuning: Tuning) -> Sna
     aged += np.diag(_ageing(known, max(t_ns - saved.t_ns, 0) * 1e-9, tuning))
     shrink = np.minimum(np.sqrt(np.diag(fresh.P)[at] / np.diag(aged)), 1.0)
     covariance[np.ix_(at, at)] = aged * np.outer(shrink, shrink)
-    memory = msgspec.structs.replace(
-        fresh.memory,
+    learned = Learned(
         position_noise=NoiseScale(factor=known.position_noise_factor),
-        velocity_noise=NoiseScale(factor=known.velocity_noise_factor),
+        doppler_noise=NoiseScale(factor=known.velocity_noise_factor),
         wander=BiasWander(factor=known.bias_wander_factor),
     )
-    return msgspec.structs.replace(fresh, t_ns=t_ns, x=x, P=covariance, memory=memory)
+    return msgspec.structs.replace(fresh, t_ns=t_ns, x=x, P=covariance, learned=learned)
 
 
 def _ageing(known: SensorCalibration, off_s: float, tuning: Tuning) -> tuple[float, ...]:
@@ -179,10 +181,9 @@ def _placed(pose: LastPose, calibrated: Snapshot, off_s: float) -> Snapshot:
     )
     x[S.EAST], x[S.NORTH] = moved_m * math.sin(heading_rad), moved_m * math.cos(heading_rad)
     x[S.HEADING], x[S.WHEEL_SPEED] = heading_rad, pose.speed_mps / x[S.ODOMETER_SCALE]
-    for state, std in zip(MOTION, stds, strict=True):
+    for state, std in zip(PLACED, stds, strict=True):
         covariance[state, state] = std**2
-    memory = msgspec.structs.replace(
-        calibrated.memory,
+    situation = Situation(
         plane=LocalPlane(pose.lat_deg, pose.lon_deg),
         heading_known=True,
         placed_ns=pose.fix_ns,
@@ -190,4 +191,4 @@ def _placed(pose: LastPose, calibrated: Snapshot, off_s: float) -> Snapshot:
         position_unconfirmed=True,
         heading_unconfirmed=True,
     )
-    return msgspec.structs.replace(calibrated, x=x, P=covariance, memory=memory)
+    return msgspec.structs.replace(calibrated, x=x, P=covariance, situation=situation)

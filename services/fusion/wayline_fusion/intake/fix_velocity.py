@@ -7,7 +7,7 @@ from wayline.geo import step_between
 from wayline.messages import GpsFix
 
 SHORTEST_M = 15.0
-"""A displacement this long has a course worth having..."""
+"""A way this long has a course worth having..."""
 LONGEST_NS = 10_000_000_000
 """...and one that takes longer says that the vehicle crawls or stands."""
 FORGET_NS = 120_000_000_000
@@ -16,8 +16,8 @@ SPEED_FLOOR_MPS = 0.5
 """The mean over seconds is not the speed at its end."""
 
 
-class Motion(NamedTuple):
-    """Mean motion since an earlier fix."""
+class MeanVelocity(NamedTuple):
+    """Since an earlier fix."""
 
     speed_mps: float
     speed_std_mps: float
@@ -25,14 +25,14 @@ class Motion(NamedTuple):
     course_std_deg: float | None
 
 
-class Displacement:
-    """Measures motion from one anchor fix to the next."""
+class FixVelocity:
+    """Measures velocity from one anchor fix to the next."""
 
     def __init__(self) -> None:
         self._anchor: GpsFix | None = None
 
-    def motion(self, fix: GpsFix, std_m: float) -> Motion | None:
-        """Motion up to a valid fix of a given position std; None until it has moved or waited."""
+    def mean(self, fix: GpsFix, std_m: float) -> MeanVelocity | None:
+        """Up to a valid fix of a given position std; None until it has moved or waited."""
         anchor = self._anchor
         if anchor is None or not 0 <= fix.t_ns - anchor.t_ns <= FORGET_NS:
             self._anchor = fix
@@ -47,7 +47,8 @@ class Displacement:
         elapsed_s = elapsed_ns * 1e-9
         both_std_m = math.sqrt(2.0) * std_m
         speed_std_mps = math.hypot(both_std_m / elapsed_s, SPEED_FLOOR_MPS)
+        speed_mps = step.distance_m / elapsed_s
         if step.distance_m < SHORTEST_M:
-            return Motion(step.distance_m / elapsed_s, speed_std_mps, None, None)
+            return MeanVelocity(speed_mps, speed_std_mps, None, None)
         course_std_deg = math.degrees(math.atan2(both_std_m, step.distance_m))
-        return Motion(step.distance_m / elapsed_s, speed_std_mps, step.bearing_deg, course_std_deg)
+        return MeanVelocity(speed_mps, speed_std_mps, step.bearing_deg, course_std_deg)
