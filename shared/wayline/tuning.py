@@ -137,7 +137,7 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Each can be run alone, as papers/004 does."""
     slope_initial_std_pct: Positive = 4.0
     """Roads are rarely steeper than 8 %."""
-    slope_walk_pct_per_sqrt_m: Positive = 0.15
+    slope_walk_pct_per_sqrt_m: Positive = 0.2
     """Vertical curves: 2 % in 200 m."""
     baro_bias_initial_std_m: Positive = 150.0
     """Weather: 1013 hPa plus or minus 20."""
@@ -149,7 +149,7 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Coarser barometers say nothing of the road."""
     baro_relock_after_s: Positive = 10.0
     """Pressures rejected this long: a window was opened; a tunnel's gust is over sooner."""
-    gps_altitude_error_time_s: Positive = 120.0
+    gps_altitude_error_time_s: Positive = 90.0
     """Correlation time of an altitude's error: satellites and air change in minutes."""
     gps_altitude_error_share: Probability = 0.9
     """Share of an altitude's variance that varies slowly; the rest is white."""

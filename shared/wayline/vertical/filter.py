@@ -1,7 +1,7 @@
 """Pure: the forward filter of altitude and slope; filterpy does the Kalman algebra.
 
-What changes the covariance besides prediction and update is `project_`, as time would, or
-`inflate_`, which adds doubt.
+What changes the covariance besides prediction and update is named `project_` where time would do
+it too, and `inflate_` where it adds doubt.
 """
 
 import math
@@ -14,6 +14,8 @@ from wayline.tuning import Tuning
 from wayline.vertical.model import Transition, VerticalModel, VerticalStates
 
 S = VerticalStates
+SAME_ERROR_RATIO = 0.7
+"""Of two claimed stds of a receiver; a satellite more or less changes them by less."""
 
 
 class VerticalFilter(KalmanFilter):  # type: ignore[misc]
@@ -23,8 +25,6 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         self._tuning = tuning
         self._resize(receivers)
         self.x, self.P = self.model.first()
-        self.slow_stds_m: tuple[float, ...] = (0.0,) * receivers
-        """Of the slow error of each receiver's altitude."""
 
     def _resize(self, receivers: int) -> None:
         self.model = VerticalModel(self._tuning, receivers)
@@ -32,30 +32,33 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         self.inv = _inverse
 
     def add_receiver(self) -> None:
-        """Make room for one more; of its error nothing is known before its first altitude."""
-        x, P, slow_stds_m = self.x, self.P, self.slow_stds_m
-        self._resize(len(slow_stds_m) + 1)
-        self.set(np.append(x, 0.0), np.pad(P, (0, 1)), (*slow_stds_m, 0.0))
+        """Make room for the slow error of one more."""
+        x, P = np.append(self.x, 0.0), np.pad(self.P, (0, 1))
+        P[-1, -1] = 1.0
+        self.set(x, P)
 
-    def set(self, x: Floats, P: Floats, slow_stds_m: tuple[float, ...]) -> None:
-        """Set the state, which may be of another number of receivers."""
-        if len(slow_stds_m) != self.model.size - S.GPS_ERROR:
-            self._resize(len(slow_stds_m))
-        self.x, self.P, self.slow_stds_m = x, P, slow_stds_m
+    def set(self, x: Floats, P: Floats) -> None:
+        """Set the state, which may be one of another number of receivers."""
+        if len(x) != self.model.size:
+            self._resize(len(x) - S.GPS_ERROR)
+        self.x, self.P = x, P
 
     def advance(self, distance_m: float, elapsed_s: float) -> Transition:
         """Predict over a distance driven forward (negative in reverse) and the time it took."""
-        transition = self.model.transition(distance_m, elapsed_s, self.slow_stds_m)
+        transition = self.model.transition(distance_m, elapsed_s)
         self.predict(F=transition.F, Q=transition.Q)
         return transition
 
-    def project_error(self, receiver: int, std_m: float) -> Transition:
-        """Let a receiver's slow error tend to the slow part of `std_m` from now on."""
-        slow_m, _ = self.model.shares_m(std_m)
-        transition = self.model.renewal(receiver, self.slow_stds_m[receiver], slow_m)
+    def project_error(self, receiver: int, before_m: float, std_m: float) -> Transition | None:
+        """Renew a receiver's slow error where its std is another one; None where it is not.
+
+        Other satellites, or a receiver that has settled, make another error.
+        """
+        kept = min(before_m, std_m) / max(before_m, std_m)
+        if kept >= SAME_ERROR_RATIO:
+            return None
+        transition = self.model.renewal(receiver, kept)
         self.predict(F=transition.F, Q=transition.Q)
-        before = self.slow_stds_m
-        self.slow_stds_m = (*before[:receiver], slow_m, *before[receiver + 1 :])
         return transition
 
     def inflate_altitude(self, std_m: float) -> Floats:
@@ -65,32 +68,16 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         """
         doubted = np.zeros(len(self.x))
         doubted[S.ALTITUDE], doubted[S.BARO_BIAS] = std_m, -std_m
-        gained = np.outer(doubted, doubted)
+        gained: Floats = np.outer(doubted, doubted)
         self.P = self.P + gained
         return gained
 
     def inflate_bias(self, std_m: float) -> Floats:
         """Doubt the barometer's bias alone. Returns what P gains."""
-        gained = np.zeros_like(self.P)
+        gained: Floats = np.zeros_like(self.P)
         gained[S.BARO_BIAS, S.BARO_BIAS] = std_m**2
         self.P = self.P + gained
         return gained
-
-    def gps_altitude(self, receiver: int, alt_m: float, std_m: float) -> Measurement:
-        """A receiver's altitude: the altitude plus its slow error, plus white noise."""
-        _, white_m = self.model.shares_m(std_m)
-        return self._measured("gps_altitude", alt_m, S.GPS_ERROR + receiver, white_m)
-
-    def barometer(self, alt_m: float, std_m: float) -> Measurement:
-        """Barometric altitude: the altitude plus the bias of weather and sensor."""
-        return self._measured("barometer", alt_m, S.BARO_BIAS, std_m)
-
-    def _measured(self, sensor: str, alt_m: float, error: int, std_m: float) -> Measurement:
-        y, H, R = np.empty(1), np.zeros((1, len(self.x))), np.empty((1, 1))
-        H[0, S.ALTITUDE] = H[0, error] = 1.0
-        y[0] = alt_m - self.x[S.ALTITUDE] - self.x[error]
-        R[0, 0] = std_m**2
-        return Measurement(sensor, y, H, R)
 
     def expected(self, measurement: Measurement) -> Floats:
         """Covariance of the innovation without the measurement's own noise, H P H'."""

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wayline.likelihood import Floats
+from wayline.likelihood import Floats, Measurement
 from wayline.tuning import Tuning
 
 
@@ -23,7 +23,7 @@ class VerticalStates:
     ALTITUDE = 0  # m above mean sea level
     SLOPE = 1  # tan of the slope angle, positive uphill in the direction of travel
     BARO_BIAS = 2  # m, barometric altitude minus altitude
-    GPS_ERROR = 3  # m, slowly varying error of the first receiver's altitude; then of the next
+    GPS_ERROR = 3  # slow error of the first receiver's altitude, in its own stds; then the next's
 
 
 S = VerticalStates
@@ -39,37 +39,26 @@ class Transition(NamedTuple):
 
 
 class VerticalModel:
-    """The model for a number of receivers."""
+    """The model for a number of receivers, which are counted from 0."""
 
-    def __init__(self, tuning: Tuning, receivers: int) -> None:
+    def __init__(self, tuning: Tuning, receivers: int = 1) -> None:
+        self.receivers = receivers
         self.size = S.GPS_ERROR + receivers
         self._slope_walk = (tuning.slope_walk_pct_per_sqrt_m / 100.0) ** 2
         self._bias_walk = tuning.baro_bias_walk_m_per_sqrt_s**2
         self._error_time_s = tuning.gps_altitude_error_time_s
         self._slow_share = tuning.gps_altitude_error_share
-        self._first_stds = (
-            ALTITUDE_UNKNOWN_M,
-            tuning.slope_initial_std_pct / 100.0,
-            tuning.baro_bias_initial_std_m,
-        )
+        self._slope_std = tuning.slope_initial_std_pct / 100.0
+        self._bias_std_m = tuning.baro_bias_initial_std_m
 
     def first(self) -> tuple[Floats, Floats]:
-        """State and covariance before anything is known; of the receivers' errors nothing is yet.
+        """State and covariance before anything is known, shapes (size,) and (size, size)."""
+        stds = np.ones(self.size)
+        stds[: S.GPS_ERROR] = ALTITUDE_UNKNOWN_M, self._slope_std, self._bias_std_m
+        return np.zeros(self.size), np.diag(np.square(stds))
 
-        Shapes (size,) and (size, size).
-        """
-        P = np.zeros((self.size, self.size))
-        for state, std in enumerate(self._first_stds):
-            P[state, state] = std**2
-        return np.zeros(self.size), P
-
-    def transition(
-        self, distance_m: float, elapsed_s: float, slow_stds_m: tuple[float, ...]
-    ) -> Transition:
-        """Over a distance driven forward (negative in reverse) and the time it took.
-
-        `slow_stds_m` are what each receiver's slow error tends to.
-        """
+    def transition(self, distance_m: float, elapsed_s: float) -> Transition:
+        """Over a distance driven forward (negative in reverse) and the time it took."""
         F, Q = np.eye(self.size), np.zeros((self.size, self.size))
         length, walk = abs(distance_m), self._slope_walk
         F[S.ALTITUDE, S.SLOPE] = distance_m
@@ -78,26 +67,39 @@ class VerticalModel:
         Q[S.ALTITUDE, S.SLOPE] = Q[S.SLOPE, S.ALTITUDE] = walk * length * distance_m / 2.0
         Q[S.BARO_BIAS, S.BARO_BIAS] = self._bias_walk * elapsed_s
         kept = math.exp(-elapsed_s / self._error_time_s)
-        for state, std_m in enumerate(slow_stds_m, start=S.GPS_ERROR):
-            F[state, state] = kept
-            Q[state, state] = (1.0 - kept**2) * std_m**2
+        for state in range(S.GPS_ERROR, self.size):
+            F[state, state], Q[state, state] = kept, 1.0 - kept**2
         return Transition(F, Q)
 
-    def renewal(self, receiver: int, before_m: float, std_m: float) -> Transition:
-        """At once: a receiver's slow error tends to another std from now on.
-
-        A receiver that becomes surer has lost the error it had; one that doubts may have more. So
-        a cold start's error of tens of metres is not carried along for minutes.
-        """
+    def renewal(self, receiver: int, kept: float) -> Transition:
+        """At once: only a part of a receiver's slow error goes on, and a new one comes."""
         F, Q = np.eye(self.size), np.zeros((self.size, self.size))
         state = S.GPS_ERROR + receiver
-        if std_m < before_m:
-            F[state, state] = std_m / before_m
-        else:
-            Q[state, state] = std_m**2 - before_m**2
+        F[state, state], Q[state, state] = kept, 1.0 - kept**2
         return Transition(F, Q)
 
-    def shares_m(self, std_m: float) -> tuple[float, float]:
-        """The stds of the slow and of the white part of an altitude of a receiver."""
-        slow_m2 = self._slow_share * std_m**2
-        return math.sqrt(slow_m2), math.sqrt(std_m**2 - slow_m2)
+    def slow_std_m(self, std_m: float) -> float:
+        """The part of the std of a receiver's altitude that varies slowly."""
+        return math.sqrt(self._slow_share) * std_m
+
+    def gps_altitude(self, x: Floats, receiver: int, alt_m: float, std_m: float) -> Measurement:
+        """A receiver's altitude: the altitude plus its slow error, plus white noise."""
+        slow_std_m = self.slow_std_m(std_m)
+        white_std_m = math.sqrt(std_m**2 - slow_std_m**2)
+        by_error = (S.GPS_ERROR + receiver, slow_std_m)
+        return self._measured("gps_altitude", x, alt_m, by_error, white_std_m)
+
+    def barometer(self, x: Floats, alt_m: float, std_m: float) -> Measurement:
+        """Barometric altitude: the altitude plus the bias of weather and sensor."""
+        return self._measured("barometer", x, alt_m, (S.BARO_BIAS, 1.0), std_m)
+
+    def _measured(
+        self, sensor: str, x: Floats, alt_m: float, by_error: tuple[int, float], std_m: float
+    ) -> Measurement:
+        """An altitude off by an error: its place in the state, and what one of it makes in m."""
+        error, gain = by_error
+        y, H, R = np.empty(1), np.zeros((1, self.size)), np.empty((1, 1))
+        H[0, S.ALTITUDE], H[0, error] = 1.0, gain
+        y[0] = alt_m - x[S.ALTITUDE] - gain * x[error]
+        R[0, 0] = std_m**2
+        return Measurement(sensor, y, H, R)

@@ -26,20 +26,22 @@ class AltitudeTrust(msgspec.Struct, frozen=True):
     accepted_ns: int | None = None
     agreement: Agreement | None = None
     """Of those that were rejected, in metres from the prediction."""
+    slow_std_m: float | None = None
+    """Of the slow error when that was last renewed."""
 
     def after_set(self, t_ns: int) -> "AltitudeTrust":
         """After one that set the altitude."""
-        return AltitudeTrust(t_ns, t_ns)
+        return AltitudeTrust(t_ns, t_ns, None, self.slow_std_m)
 
     def after_accepted(self, t_ns: int) -> "AltitudeTrust":
         """After one that was likely."""
-        return AltitudeTrust(self.set_ns, t_ns)
+        return AltitudeTrust(self.set_ns, t_ns, None, self.slow_std_m)
 
     def after_rejected(self, t_ns: int, off_m: float, std_m: float) -> "AltitudeTrust":
         """After one that was not."""
         alike = partial(_are_alike, max(AGREEING_M, AGREEING_STDS * std_m))
         agreement = rejected(self.agreement, t_ns, (off_m,), alike)
-        return AltitudeTrust(self.set_ns, self.accepted_ns, agreement)
+        return AltitudeTrust(self.set_ns, self.accepted_ns, agreement, self.slow_std_m)
 
     def is_won(self, tuning: Tuning) -> bool:
         """Whether the rejected ones have agreed for as long as the others had before them."""

@@ -1,16 +1,24 @@
 """Pure: air pressures, as altitudes of the standard atmosphere."""
 
+import math
+
 import msgspec
 
 from wayline.agreement import Agreement, lasted_s, rejected
+from wayline.noise_scale import NoiseScale
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
 from wayline_fusion.filter.vertical import VerticalEstimate
 from wayline_fusion.intake.events import Pressure
+
+NOISE_FACTOR_MIN = 1.0
+"""No less than steps and cabin make; what wind adds is learned."""
 
 
 class PressureEvidence(msgspec.Struct, frozen=True):
     """What earlier pressures have shown."""
 
+    noise: NoiseScale = NoiseScale()
+    """Of wind and steps, on the variance that is claimed."""
     rejected: Agreement | None = None
 
 
@@ -18,9 +26,9 @@ class AirPressure:
     """Barometric altitudes.
 
     Starts: the first one after an altitude of a fix; where no fix is to be asked, it tells the
-    altitude itself, as well as the weather allows. Goes on: each likely one corrects. Stops: an
-    unlikely one is rejected: a door, a train of air in a tunnel. Resets: rejected for
-    `baro_relock_after_s`, the bias is another one.
+    altitude itself, as well as the weather allows. Goes on: each likely one corrects, and teaches
+    how noisy the air is. Stops: an unlikely one is rejected: a door, the gust of a tunnel. Resets:
+    rejected for `baro_relock_after_s`, the bias is another one.
     """
 
     def __init__(self) -> None:
@@ -28,19 +36,25 @@ class AirPressure:
 
     def take(self, estimate: VerticalEstimate, pressure: Pressure) -> Outcome:
         """Correct with a barometric altitude."""
-        tuning, kalman = estimate.tuning, estimate.filter
+        tuning, kalman, noise = estimate.tuning, estimate.filter, self.evidence.noise
+        std_m = math.sqrt(noise.factor) * pressure.std_m
+        measurement = kalman.model.barometer(kalman.x, pressure.alt_m, std_m)
         if not estimate.known:
             if "gps" in tuning.vertical_sensors:
                 return UNUSED
-            estimate.correct(kalman.barometer(pressure.alt_m, pressure.std_m))
+            estimate.correct(measurement)
             estimate.known = True
             return UNUSED
-        measurement = kalman.barometer(pressure.alt_m, pressure.std_m)
         streak = self.evidence.rejected
         if lasted_s(streak, pressure.t_ns) >= tuning.baro_relock_after_s:
             kalman.inflate_bias(float(measurement.y[0]))
-        policy = Policy(tuning.gate_probability, tells_accepted=False)
+        policy = Policy(tuning.gate_probability)
         outcome = try_measurement(estimate, measurement, pressure.t_ns, policy)
-        streak = None if outcome.is_accepted else rejected(streak, pressure.t_ns)
-        self.evidence = PressureEvidence(streak)
+        square, predicted = float(outcome.off[0]) ** 2, float(outcome.expected[0, 0])
+        noise = noise.learned(square, predicted, pressure.std_m**2, NOISE_FACTOR_MIN)
+        if outcome.is_accepted:
+            estimate.note_pressure()
+            self.evidence = PressureEvidence(noise)
+        else:
+            self.evidence = PressureEvidence(noise, rejected(streak, pressure.t_ns))
         return outcome

@@ -2,8 +2,8 @@
 
 import msgspec
 
+from wayline.noise_scale import NoiseScale
 from wayline_fusion.evidence.bias_wander import BiasWander
-from wayline_fusion.evidence.noise_scale import NoiseScale
 
 
 class Learned(msgspec.Struct, frozen=True):

@@ -18,6 +18,8 @@ from wayline_fusion.filter.gate import Outcome
 from wayline_fusion.intake.events import Event
 
 S = VerticalStates
+PRESSURE_FRESH_NS = 5_000_000_000
+"""A pressure this old no longer holds the altitude: 1 Hz is usual, and some are lost."""
 
 
 class Progress(NamedTuple):
@@ -66,7 +68,7 @@ class Snapshot(msgspec.Struct, frozen=True, gc=False):
     known: bool
     x: Floats
     P: Floats
-    slow_stds_m: tuple[float, ...]
+    pressure_ns: int | None
     receivers: tuple[str, ...]
     evidence: tuple[Any, ...]
 
@@ -84,6 +86,7 @@ class VerticalEstimate:
         """Whether an altitude has been told."""
         self.t_ns = 0
         self._distance_m = 0.0
+        self._pressure_ns: int | None = None
         self._receivers: tuple[str, ...] = ()
         self._horizontal = horizontal
         self._aid_of = aids
@@ -129,6 +132,16 @@ class VerticalEstimate:
             self._receivers = (*self._receivers, source)
         return self._receivers.index(source)
 
+    @property
+    def pressure_fresh(self) -> bool:
+        """Whether a barometer holds the altitude."""
+        pressure_ns = self._pressure_ns
+        return pressure_ns is not None and self.t_ns - pressure_ns <= PRESSURE_FRESH_NS
+
+    def note_pressure(self) -> None:
+        """A pressure has just corrected."""
+        self._pressure_ns = self.t_ns
+
     def correct(self, measurement: Measurement) -> None:
         """Update the state."""
         self.filter.correct(measurement)
@@ -148,7 +161,7 @@ class VerticalEstimate:
             self.known,
             kalman.x,
             kalman.P,
-            kalman.slow_stds_m,
+            self._pressure_ns,
             self._receivers,
             tuple([aid.evidence for aid in self._aids]),
         )
@@ -157,7 +170,8 @@ class VerticalEstimate:
         """Set everything back to a snapshot."""
         self.t_ns, self._distance_m = snapshot.t_ns, snapshot.distance_m
         self.known, self._receivers = snapshot.known, snapshot.receivers
-        self.filter.set(snapshot.x, snapshot.P, snapshot.slow_stds_m)
+        self.filter.set(snapshot.x, snapshot.P)
+        self._pressure_ns = snapshot.pressure_ns
         for aid, evidence in zip(self._aids, snapshot.evidence, strict=True):
             aid.evidence = evidence
 

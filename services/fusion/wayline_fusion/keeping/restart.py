@@ -10,10 +10,10 @@ import msgspec
 import numpy as np
 
 from wayline.geo import LocalPlane, wrap_360, wrap_pi
+from wayline.noise_scale import NoiseScale
 from wayline.tuning import Tuning
 from wayline_fusion.evidence.bias_wander import BiasWander
 from wayline_fusion.evidence.learned import Learned
-from wayline_fusion.evidence.noise_scale import NoiseScale
 from wayline_fusion.filter.estimate import Snapshot
 from wayline_fusion.filter.situation import Situation
 from wayline_fusion.filter.states import Floats, States
