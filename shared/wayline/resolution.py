@@ -2,6 +2,8 @@
 
 import math
 
+PRESSURE_UNIT_PA = 0.1
+"""Of barometers."""
 FINEST = 1
 """A step of one unit stays one, whatever is read."""
 

@@ -13,6 +13,10 @@ import msgspec
 from wayline.agreement import Agreement, Off, rejected
 from wayline.tuning import Tuning
 
+LIKELY_PROBABILITY = 0.95
+"""Beside a barometer altitudes less likely than this count for less: walls move them at once."""
+PRESSURE_FACTOR_MIN = 1.0
+"""Of the claimed variance of pressures: no less than steps and cabin make; wind is learned."""
 AGREEING_M = 10.0
 AGREEING_STDS = 2.0
 """Rejected altitudes agree when they are off alike, to so many metres or stds."""

@@ -3,13 +3,10 @@
 import msgspec
 
 from wayline.likelihood import Floats, Measurement, weighed
-from wayline.vertical.trust import AltitudeTrust
+from wayline.vertical.trust import LIKELY_PROBABILITY, AltitudeTrust
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
 from wayline_fusion.filter.vertical import VerticalEstimate
 from wayline_fusion.intake.events import GpsAltitude
-
-LIKELY_PROBABILITY = 0.95
-"""Those less likely than this count for less: walls move them by metres at once."""
 
 
 class Altitude:

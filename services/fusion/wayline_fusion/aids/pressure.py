@@ -6,12 +6,10 @@ import msgspec
 
 from wayline.agreement import Agreement, lasted_s, rejected
 from wayline.noise_scale import NoiseScale
+from wayline.vertical.trust import PRESSURE_FACTOR_MIN
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
 from wayline_fusion.filter.vertical import VerticalEstimate
 from wayline_fusion.intake.events import Pressure
-
-NOISE_FACTOR_MIN = 1.0
-"""No less than steps and cabin make; what wind adds is learned."""
 
 
 class PressureEvidence(msgspec.Struct, frozen=True):
@@ -51,7 +49,7 @@ class AirPressure:
         policy = Policy(tuning.gate_probability)
         outcome = try_measurement(estimate, measurement, pressure.t_ns, policy)
         square, predicted = float(outcome.off[0]) ** 2, float(outcome.expected[0, 0])
-        noise = noise.learned(square, predicted, pressure.std_m**2, NOISE_FACTOR_MIN)
+        noise = noise.learned(square, predicted, pressure.std_m**2, PRESSURE_FACTOR_MIN)
         if outcome.is_accepted:
             estimate.note_pressure()
             self.evidence = PressureEvidence(noise)

@@ -36,7 +36,8 @@ def chosen(tuning: Tuning, saved: Saved | None) -> Chosen:
     """The architecture that the tuning names, beginning with what was kept of the vehicle."""
     if tuning.architecture == "loose":
         loose = Loose(tuning)
-        return Chosen(loose, _vertical(tuning, loose), EstimateKeeper(loose, saved, tuning))
+        vertical = _vertical(tuning, loose)
+        return Chosen(loose, vertical, EstimateKeeper(loose, vertical, saved, tuning))
     architecture = ARCHITECTURES[tuning.architecture](tuning)
     return Chosen(architecture, _vertical(tuning, architecture), NoKeeper())
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from wayline.air import metres_per_pascal, pressure_altitude_m
 from wayline.gps_quality import altitude_std_m, has_altitude, horizontal_std_m, is_good
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer
-from wayline.resolution import Resolution
+from wayline.resolution import PRESSURE_UNIT_PA, Resolution
 from wayline.tuning import Tuning
 from wayline_fusion.intake.clock_steps import ClockSteps
 from wayline_fusion.intake.events import (
@@ -57,7 +57,7 @@ class Intake:
         self._velocity = FixVelocity()
         self._wheel_steps = Resolution(1e-4)
         self._rate_steps = Resolution(1e-4)
-        self._pressure_steps = Resolution(0.1)
+        self._pressure_steps = Resolution(PRESSURE_UNIT_PA)
         self._rate_rounding_radps = 0.0
         self._reverse = False
 

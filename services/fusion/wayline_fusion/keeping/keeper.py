@@ -2,9 +2,13 @@
 
 from typing import Protocol
 
+import msgspec
+
 from wayline.tuning import Tuning
 from wayline_fusion.filter.estimate import Snapshot
+from wayline_fusion.filter.vertical import VerticalEstimate
 from wayline_fusion.intake.events import GyroRestarted
+from wayline_fusion.keeping.height import kept_height, resumed_height
 from wayline_fusion.keeping.records import Saved
 from wayline_fusion.keeping.restart import is_after, kept, resumed
 from wayline_fusion.keeping.save_times import SaveTimes, is_silent
@@ -79,10 +83,12 @@ class NoKeeper:
 
 
 class EstimateKeeper:
-    """Keeps calibration and pose."""
+    """Keeps calibration, pose and height."""
 
-    def __init__(self, estimator: Keepable, saved: Saved | None, tuning: Tuning) -> None:
-        self._estimator, self._tuning = estimator, tuning
+    def __init__(
+        self, estimator: Keepable, vertical: VerticalEstimate, saved: Saved | None, tuning: Tuning
+    ) -> None:
+        self._estimator, self._vertical, self._tuning = estimator, vertical, tuning
         self._saved = saved
         """Until a message tells how old it is."""
         self._unknowing = estimator.snapshot()
@@ -103,10 +109,17 @@ class EstimateKeeper:
         is_later = is_after(saved, t_ns)
         if is_later:
             self._saved = None
+            self._begin_height(saved, t_ns)
         if not (self._is_calibrated and (self._estimator.located or not is_later)):
             self._is_calibrated = True
             self._estimator.restore(resumed(saved, self._unknowing, t_ns, self._tuning))
         return is_later
+
+    def _begin_height(self, saved: Saved, t_ns: int) -> None:
+        if saved.pose is None or saved.height is None or self._vertical.known:
+            return
+        fresh = self._vertical.snapshot()
+        self._vertical.restore(resumed_height(saved, saved.height, fresh, t_ns, self._tuning))
 
     def take_temperature(self, t_ns: int, temperature_c: float) -> GyroRestarted | None:
         """Of the gyro; the first one says how far what was kept of its bias still holds."""
@@ -126,4 +139,7 @@ class EstimateKeeper:
     def _now(self) -> list[Saved]:
         snapshot = self._estimator.snapshot()
         saved = kept(snapshot, snapshot.t_ns, self._temperature_c)
-        return [] if saved is None else [saved]
+        if saved is None:
+            return []
+        height = kept_height(self._vertical.snapshot())
+        return [msgspec.structs.replace(saved, height=height)]

@@ -42,6 +42,19 @@ class LastPose(msgspec.Struct, frozen=True, kw_only=True):
     """When a fix was last accepted."""
 
 
+class LastHeight(msgspec.Struct, frozen=True, kw_only=True):
+    """How high the vehicle was, how steep the road, and what the barometer was off."""
+
+    alt_m: float
+    alt_std_m: float
+    grade_pct: float
+    grade_std_pct: float
+    baro_bias_m: float
+    baro_bias_std_m: float
+    alt_bias_correlation: float
+    """Of altitude and bias: what the barometer measures is their sum."""
+
+
 class Saved(Record, frozen=True, kw_only=True):
     """All that is kept of one vehicle, as of an instant of measurement time."""
 
@@ -49,3 +62,5 @@ class Saved(Record, frozen=True, kw_only=True):
     calibration: SensorCalibration
     pose: LastPose | None = None
     """None before position and heading were known."""
+    height: LastHeight | None = None
+    """None before an altitude was known."""

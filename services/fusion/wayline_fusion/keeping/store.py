@@ -9,7 +9,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 
 from wayline.core import Record
 from wayline.database import write_transaction
-from wayline_fusion.keeping.records import LastPose, Saved, SensorCalibration
+from wayline_fusion.keeping.records import LastHeight, LastPose, Saved, SensorCalibration
 from wayline_fusion.keeping.tables import VEHICLES
 
 
@@ -46,8 +46,11 @@ def _row(saved: Saved) -> dict[str, object]:
     pose = dict.fromkeys(LastPose.__struct_fields__)
     if saved.pose is not None:
         pose = msgspec.structs.asdict(saved.pose)
+    height = dict.fromkeys(LastHeight.__struct_fields__)
+    if saved.height is not None:
+        height = msgspec.structs.asdict(saved.height)
     correlations = json.dumps(saved.calibration.correlations)
-    return {"t_ns": saved.t_ns, **calibration, **pose, "correlations": correlations}
+    return {"t_ns": saved.t_ns, **calibration, **pose, **height, "correlations": correlations}
 
 
 def _saved(row: dict[str, object]) -> Saved:
@@ -57,6 +60,7 @@ def _saved(row: dict[str, object]) -> Saved:
         t_ns=msgspec.convert(row["t_ns"], int),
         calibration=msgspec.convert(row, SensorCalibration),
         pose=msgspec.convert(row, LastPose) if is_placed else None,
+        height=msgspec.convert(row, LastHeight) if row["alt_m"] is not None else None,
     )
 
 

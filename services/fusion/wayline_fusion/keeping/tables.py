@@ -33,4 +33,12 @@ VEHICLES = sa.Table(
     sa.Column("heading_std_deg", sa.Float),
     sa.Column("speed_mps", sa.Float),
     sa.Column("fix_ns", sa.BigInteger),
+    # altitude, slope and barometer; all null where no altitude was known
+    sa.Column("alt_m", sa.Float),
+    sa.Column("alt_std_m", sa.Float),
+    sa.Column("grade_pct", sa.Float),
+    sa.Column("grade_std_pct", sa.Float),
+    sa.Column("baro_bias_m", sa.Float),
+    sa.Column("baro_bias_std_m", sa.Float),
+    sa.Column("alt_bias_correlation", sa.Float),
 )
