@@ -11,6 +11,7 @@ import pytest
 from builders import about, at, fix, odometer, only, run_core
 from unit.fusion.drives import ORIGIN, Motion, Sensors, messages_of, seconds_of, straight, truth_of
 from wayline.air import EXPONENT, SCALE_M, SEA_LEVEL_PA
+from wayline.core import Record
 from wayline.inputs import Flush
 from wayline.messages import Barometer, FusionStatus, GpsFix, Message, Pose, Verdict
 from wayline.tuning import Tuning
@@ -175,7 +176,8 @@ def test_a_2d_fix_tells_no_altitude() -> None:
 
 def test_each_receiver_has_an_error_of_its_own() -> None:
     """Two that are 6 m apart: the altitude is between them, and neither is rejected."""
-    core, outputs = FusionCore(Tuning()), []
+    core = FusionCore(Tuning())
+    outputs: list[Message | Record] = []
     for second in range(240):
         lat_deg, lon_deg = ORIGIN.to_geodetic(0.0, 20.0 * second)
         outputs += core.handle(odometer(second - 0.02, 20.0), "can-ingest")

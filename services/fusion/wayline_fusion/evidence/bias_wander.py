@@ -5,7 +5,6 @@ one minute, compared with that over the next, is the Allan variance of the gyro 
 rate random walk: K^2 tau / 3), besides what the courses and the angle random walk add.
 """
 
-import math
 from typing import NamedTuple
 
 import msgspec
@@ -63,11 +62,6 @@ class BiasWander(msgspec.Struct, frozen=True):
     weight: float = PRIOR_WEIGHT
     bins: tuple[Courses, ...] = ()
     """The last one is still being filled."""
-
-    @property
-    def multiple(self) -> float:
-        """Of the configured walk."""
-        return math.sqrt(self.factor)
 
     def forgotten(self) -> "BiasWander":
         """After a gap in the measured turn the courses before it tell nothing."""

@@ -170,7 +170,7 @@ class Estimate:
             math.hypot(
                 self._turn_noise, self.gyro_rounding_radps * math.sqrt(ROUNDING_CORRELATION_S)
             ),
-            self._bias_walk * self.learned.wander.multiple,
+            self._bias_walk * math.sqrt(self.learned.wander.factor),
         )
 
     def correct(self, measurement: Measurement) -> None:
