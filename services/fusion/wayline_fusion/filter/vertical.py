@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, Protocol
 
 import msgspec
 
+from wayline.grid import LONGEST_GAP_NS
 from wayline.likelihood import Floats, Measurement
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
@@ -91,6 +92,7 @@ class VerticalEstimate:
         self._horizontal = horizontal
         self._aid_of = aids
         self._aids = tuple(aids.values())
+        self._fresh = tuple(aid.evidence for aid in self._aids)
 
     @property
     def takes(self) -> frozenset[type[Event]]:
@@ -108,10 +110,11 @@ class VerticalEstimate:
 
     def height_at(self, progress: Progress) -> Height | None:
         """Altitude and slope where the vehicle has come to; None before the first altitude."""
+        if self.known:
+            backwards = progress.speed_mps < 0.0
+            self._advance_to(progress.t_ns, progress.distance_m, backwards=backwards)
         if not self.known:
             return None
-        backwards = progress.speed_mps < 0.0
-        self._advance_to(progress.t_ns, progress.distance_m, backwards=backwards)
         kalman = self.filter
         return Height(
             kalman.x.item(S.ALTITUDE),
@@ -180,12 +183,21 @@ class VerticalEstimate:
         verdicts, self.verdicts = self.verdicts, []
         return verdicts
 
+    def _start_over(self) -> None:
+        """After a silence that no prediction can bridge nothing is known of the height."""
+        self.filter.set(*self.filter.model.first())
+        self.known, self._pressure_ns = False, None
+        for aid, evidence in zip(self._aids, self._fresh, strict=True):
+            aid.evidence = evidence
+
     def _advance_to(self, t_ns: int, distance_m: float, *, backwards: bool) -> None:
         began_ns, began_m = self.t_ns, self._distance_m
         if began_ns and t_ns <= began_ns:
             return
         self.t_ns, self._distance_m = t_ns, distance_m
-        if began_ns:
+        if began_ns and t_ns - began_ns > LONGEST_GAP_NS:
+            self._start_over()
+        elif began_ns:
             driven_m = max(distance_m - began_m, 0.0)
             elapsed_s = (t_ns - began_ns) * 1e-9
             self.filter.advance(-driven_m if backwards else driven_m, elapsed_s)
