@@ -17,6 +17,7 @@ from wayline_fusion.aids.speed import Speed
 from wayline_fusion.aids.wheels import Wheels
 from wayline_fusion.architectures.architecture import Motion, SensorErrors
 from wayline_fusion.filter.estimate import Aid, Estimate
+from wayline_fusion.filter.gyro_track import TakeGyro
 from wayline_fusion.filter.states import States
 from wayline_fusion.filter.vertical import Progress
 from wayline_fusion.intake.events import (
@@ -42,11 +43,12 @@ class Loose(Estimate):
 
     def __init__(self, tuning: Tuning) -> None:
         super().__init__(tuning, aids())
+        self.take_gyro: TakeGyro = self.gyro.add
+        """Appends to the measured turn, which predictions read."""
 
-    def take_gyro(self, t_ns: int, rate_radps: float, rounding_std_radps: float) -> None:
-        """Append to the measured turn, which predictions read."""
+    def know_gyro_steps(self, rounding_std_radps: float) -> None:
+        """Count the gyro's steps as noise."""
         self.gyro_rounding_radps = rounding_std_radps
-        self.gyro.add(t_ns, rate_radps)
 
     @property
     def progress(self) -> Progress:

@@ -1,7 +1,7 @@
 """Pure: what is believed of one vehicle, brought forward by events; each aid takes its own kind."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import msgspec
@@ -79,7 +79,10 @@ class Estimate:
         self._aids = tuple(aids.values())
         self._turn_noise = math.radians(tuning.gyro_noise_deg_per_sqrt_s)
         self._bias_walk = math.radians(tuning.gyro_bias_walk_degps_per_sqrt_s)
-        self._fresh = tuple(aid.evidence for aid in self._aids)
+        self._noise_of = (math.nan, math.nan)
+        self._noise = DrivingNoise(self._turn_noise, self._bias_walk)
+        self._evidence: tuple[Any, ...] | None = None
+        self._fresh = self._all_evidence()
         self._sound = self.snapshot()
 
     @property
@@ -93,7 +96,10 @@ class Estimate:
         kind = type(event)
         aid = self._aid_of.get(kind)
         if aid is not None:
+            before = aid.evidence
             aid.take(self, event)
+            if aid.evidence is not before:
+                self._evidence = None
         if kind is Elapsed:
             self._keep_sound(event.t_ns)
 
@@ -107,7 +113,7 @@ class Estimate:
             kalman.P,
             self.situation,
             self.learned,
-            tuple([aid.evidence for aid in self._aids]),
+            self._all_evidence(),
         )
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -117,7 +123,15 @@ class Estimate:
         self.situation, self.learned = snapshot.situation, snapshot.learned
         self._remind(snapshot.evidence)
 
-    def _remind(self, evidence: Sequence[Any]) -> None:
+    def _all_evidence(self) -> tuple[Any, ...]:
+        """Of each aid; made anew only when one has changed."""
+        evidence = self._evidence
+        if evidence is None:
+            evidence = self._evidence = tuple([aid.evidence for aid in self._aids])
+        return evidence
+
+    def _remind(self, evidence: tuple[Any, ...]) -> None:
+        self._evidence = evidence
         for aid, each in zip(self._aids, evidence, strict=True):
             aid.evidence = each
 
@@ -166,12 +180,12 @@ class Estimate:
 
     def driving_noise(self) -> DrivingNoise:
         """What is known of this gyro, learned or configured."""
-        return DrivingNoise(
-            math.hypot(
-                self._turn_noise, self.gyro_rounding_radps * math.sqrt(ROUNDING_CORRELATION_S)
-            ),
-            self._bias_walk * math.sqrt(self.learned.wander.factor),
-        )
+        steps, wander = self.gyro_rounding_radps, self.learned.wander.factor
+        if self._noise_of != (steps, wander):
+            self._noise_of = (steps, wander)
+            turn_noise = math.hypot(self._turn_noise, steps * math.sqrt(ROUNDING_CORRELATION_S))
+            self._noise = DrivingNoise(turn_noise, self._bias_walk * math.sqrt(wander))
+        return self._noise
 
     def correct(self, measurement: Measurement) -> None:
         """Correct with a measurement of GPS; without wheels none of them tells of their scale."""

@@ -90,6 +90,8 @@ class VerticalEstimate:
         self._pressure_ns: int | None = None
         self._receivers: tuple[str, ...] = ()
         self._horizontal = horizontal
+        self._snapshot: Snapshot | None = None
+        """Of the state as it is; None once it has changed."""
         self._aid_of = aids
         self._aids = tuple(aids.values())
         self._fresh = tuple(aid.evidence for aid in self._aids)
@@ -106,6 +108,7 @@ class VerticalEstimate:
         ahead_s = max(event.t_ns - progress.t_ns, 0) * 1e-9
         distance_m = progress.distance_m + abs(progress.speed_mps) * ahead_s
         self._advance_to(event.t_ns, distance_m, backwards=progress.speed_mps < 0.0)
+        self._snapshot = None
         self._aid_of[type(event)].take(self, event)
 
     def height_at(self, progress: Progress) -> Height | None:
@@ -157,6 +160,11 @@ class VerticalEstimate:
 
     def snapshot(self) -> Snapshot:
         """The state, for a rewind; what it holds is never changed in place."""
+        if self._snapshot is None:
+            self._snapshot = self._made()
+        return self._snapshot
+
+    def _made(self) -> Snapshot:
         kalman = self.filter
         return Snapshot(
             self.t_ns,
@@ -171,6 +179,7 @@ class VerticalEstimate:
 
     def restore(self, snapshot: Snapshot) -> None:
         """Set everything back to a snapshot."""
+        self._snapshot = snapshot
         self.t_ns, self._distance_m = snapshot.t_ns, snapshot.distance_m
         self.known, self._receivers = snapshot.known, snapshot.receivers
         self.filter.set(snapshot.x, snapshot.P)
@@ -194,6 +203,7 @@ class VerticalEstimate:
         began_ns, began_m = self.t_ns, self._distance_m
         if began_ns and t_ns <= began_ns:
             return
+        self._snapshot = None
         self.t_ns, self._distance_m = t_ns, distance_m
         if began_ns and t_ns - began_ns > LONGEST_GAP_NS:
             self._start_over()
