@@ -17,7 +17,7 @@ class SensorCalibration(msgspec.Struct, frozen=True, kw_only=True):
     gps_latency_s: float
     gps_latency_std_s: float
     correlations: tuple[float, ...]
-    """Of bias, gyro's scale, odometer's scale and latency: first with second, first with third, first
+    """Of bias, gyro scale, odometer scale and latency: first with second, first with third, first
     with fourth, second with third and so on."""
     gyro_temperature_c: float | None = None
     """While the bias was learned, where the bus tells it."""
