@@ -37,9 +37,8 @@ class FusionCore:
         self._estimator, self._vertical, self._keeper = chosen(tuning, saved)
         self._beginning: Keeper | None = self._keeper
         """Until what was kept is taken up."""
-        self._estimates = (self._estimator, self._vertical)
         depth_ns = round(tuning.late_measurement_s * 1e9)
-        self._timeline: Timeline[Event] = Timeline(self._estimates, depth_ns)
+        self._timeline: Timeline[Event] = Timeline((self._estimator, self._vertical), depth_ns)
         self._told = Told()
         self._intake = Intake(tuning, self._told, self._estimator)
         self._outputs = Outputs(self._estimator, self._vertical, self._told, tuning)
@@ -134,10 +133,10 @@ class FusionCore:
         """Apply events of one instant, and tell their own verdicts."""
         if not self._timeline.add(*events):
             self._told.late += 1
-        for estimate in self._estimates:
-            verdicts = estimate.take_verdicts()
-            if verdicts:
-                self._told.add(verdicts, events[0].t_ns)
+        t_ns = events[0].t_ns
+        self._told.add(self._estimator.take_verdicts(), t_ns)
+        if self._vertical.verdicts:
+            self._told.add(self._vertical.take_verdicts(), t_ns)
 
     def _pose(self, t_ns: int, *, has_can: bool) -> Message:
         self._pose_ns = t_ns

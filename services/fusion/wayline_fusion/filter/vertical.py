@@ -94,7 +94,7 @@ class VerticalEstimate:
         """Of the state as it is; None once it has changed."""
         self._aid_of = aids
         self._aids = tuple(aids.values())
-        self._fresh = tuple(aid.evidence for aid in self._aids)
+        self._fresh = self._evidence = tuple(aid.evidence for aid in self._aids)
 
     @property
     def takes(self) -> frozenset[type[Event]]:
@@ -110,6 +110,7 @@ class VerticalEstimate:
         self._advance_to(event.t_ns, distance_m, backwards=progress.speed_mps < 0.0)
         self._snapshot = None
         self._aid_of[type(event)].take(self, event)
+        self._evidence = tuple([aid.evidence for aid in self._aids])
 
     def height_at(self, progress: Progress) -> Height | None:
         """Altitude and slope where the vehicle has come to; None before the first altitude."""
@@ -174,7 +175,7 @@ class VerticalEstimate:
             kalman.P,
             self._pressure_ns,
             self._receivers,
-            tuple([aid.evidence for aid in self._aids]),
+            self._evidence,
         )
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -184,8 +185,7 @@ class VerticalEstimate:
         self.known, self._receivers = snapshot.known, snapshot.receivers
         self.filter.set(snapshot.x, snapshot.P)
         self._pressure_ns = snapshot.pressure_ns
-        for aid, evidence in zip(self._aids, snapshot.evidence, strict=True):
-            aid.evidence = evidence
+        self._remind(snapshot.evidence)
 
     def take_verdicts(self) -> Sequence[Verdict]:
         """Verdicts since the last call, those of events applied again after a rewind included."""
@@ -196,8 +196,12 @@ class VerticalEstimate:
         """After a silence that no prediction can bridge nothing is known of the height."""
         self.filter.set(*self.filter.model.first())
         self.known, self._pressure_ns = False, None
-        for aid, evidence in zip(self._aids, self._fresh, strict=True):
-            aid.evidence = evidence
+        self._remind(self._fresh)
+
+    def _remind(self, evidence: tuple[Any, ...]) -> None:
+        self._evidence = evidence
+        for aid, each in zip(self._aids, evidence, strict=True):
+            aid.evidence = each
 
     def _advance_to(self, t_ns: int, distance_m: float, *, backwards: bool) -> None:
         began_ns, began_m = self.t_ns, self._distance_m
