@@ -54,8 +54,6 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P = np.diag(np.square(self._initial_stds()))
         self.F = np.eye(SIZE)
         self.Q = np.zeros((SIZE, SIZE))
-        self._variances = self.Q.reshape(-1)[:: SIZE + 1]
-        """The diagonal of Q."""
         self.inv = _inverse
 
     def _initial_stds(self) -> list[float]:
@@ -129,7 +127,8 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.x = np.array(x)
 
     def _set_noise(self, dt_s: float, noise: DrivingNoise, *, gyro: bool, standing: bool) -> None:
-        tuning, variances = self._tuning, self._variances
+        # a view of the diagonal, made anew: a copy of the filter would keep a view of the old Q
+        tuning, variances = self._tuning, self.Q.reshape(-1)[:: SIZE + 1]
         if standing:
             position_mps2, heading = 0.0, 0.0
         else:
