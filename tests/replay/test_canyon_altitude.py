@@ -1,4 +1,4 @@
-"""A simulated town with canyons: walls displace altitudes by tens of metres, the barometer holds."""
+"""A simulated town with canyons: walls displace altitudes by tens of metres, and air does not."""
 
 from pathlib import Path
 
