@@ -7,13 +7,14 @@ from typing import ClassVar
 import msgspec
 
 from wayline.inputs import Flush, PositionReport, Sentence, Tick
-from wayline.messages import GpsFix, Message
+from wayline.messages import LATEST_NS, GpsFix, Message
 from wayline_gps_ingest.cycle import EpochAssembler
 from wayline_gps_ingest.dates import Dates, nearest_ns
 from wayline_gps_ingest.decode import decode
 from wayline_gps_ingest.derived_speed import DerivedSpeed
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
+from wayline_gps_ingest.latecomers import Latecomers
 from wayline_gps_ingest.onward_clock import OnwardClock
 from wayline_gps_ingest.parsing import parse
 from wayline_gps_ingest.reports import fix_of_report
@@ -42,6 +43,7 @@ class GpsIngestCore:
         self._assembler = EpochAssembler()
         self._dates = Dates(date)
         self._clock = OnwardClock()
+        self._latecomers = Latecomers()
         self._derived_speed = DerivedSpeed()
         self._faults: Counter[str] = Counter()
         self._waiting = WaitingRoom()
@@ -57,9 +59,15 @@ class GpsIngestCore:
         `checksum` wrong; `torn`: cut short, or without the checksum that this receiver sends;
         `malformed`; `field`: a time, date or position that cannot be one; `undated`: an epoch
         dropped for want of a date; `clock`: an epoch dropped or moved because the receiver's clock
-        stepped; `report`: a position report outside the world.
+        stepped; `late`: an epoch or a sentence of one that came out of order, after a later epoch
+        was published; `report`: a position report outside the world.
         """
-        counted = {**self._faults, "undated": self._waiting.dropped, "clock": self._clock.faults}
+        counted = {
+            **self._faults,
+            "undated": self._waiting.dropped,
+            "clock": self._clock.faults,
+            "late": self._assembler.late + self._latecomers.dropped,
+        }
         return {reason: times for reason, times in counted.items() if times}
 
     @property
@@ -100,7 +108,8 @@ class GpsIngestCore:
         except BadFieldError:
             self._faults["field"] += 1
             return []
-        self._day_known = self._day_known or "date" in observation.facts
+        if not self._day_known:
+            self._day_known = "dated_ns" in observation.facts
         complete = self._assembler.add(observation)
         self._received_ns = sentence.received_ns
         return self._publish(complete) if complete else []
@@ -124,8 +133,8 @@ class GpsIngestCore:
             return []
         fix = epoch.fix(0)
         # without a fix a receiver's date is its own clock's, which may be decades off
-        day = epoch.facts.get("date") if fix.valid else None
-        raw_ns = self._dates.instant_ns(epoch.time_ns, day, self._received_ns)
+        dated_ns = epoch.facts.get("dated_ns") if fix.valid else None
+        raw_ns = self._dates.instant_ns(epoch.time_ns, dated_ns, self._received_ns)
         if raw_ns is None:
             self._waiting.hold(epoch)
             return []
@@ -142,7 +151,8 @@ class GpsIngestCore:
 
     def _at(self, epoch: Epoch, fix: GpsFix, raw_ns: int) -> list[Message]:
         t_ns = self._steady_ns(fix, raw_ns - self._latency_ns)
-        if t_ns is None:
+        if t_ns is None or t_ns > LATEST_NS:
+            # a clock that stepped back from the last instant of all goes on beyond it
             return []
         fix = msgspec.structs.replace(fix, t_ns=t_ns)
         messages: list[Message] = [self._derived_speed.filled(fix) if fix.valid else fix]
@@ -153,9 +163,10 @@ class GpsIngestCore:
         return messages
 
     def _steady_ns(self, fix: GpsFix, raw_ns: int) -> int | None:
+        """When a fix is said to be of; None where it is not told."""
         if fix.repeat:
             return self._clock.repeat_ns(raw_ns)
-        if raw_ns < 0:
+        if raw_ns < 0 or self._latecomers.is_late(raw_ns):
             return None
         return self._clock.fixed_ns(raw_ns) if fix.valid else self._clock.unfixed_ns(raw_ns)
 

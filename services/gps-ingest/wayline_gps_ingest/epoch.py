@@ -22,9 +22,13 @@ class Epoch:
         self.facts = Facts()
         self.time_ns: int | None = None
         """Since midnight UTC."""
+        self.is_whole_s = True
+        """Whether no sentence told decimals of the second."""
         self.repeat = False
         self.kinds: set[str] = set()
         self.timed_keys: set[str] = set()
+        self.first_key = ""
+        """The first timed sentence."""
         self._gsa_mode = 0
         self._sky: Sky | None = None
 
@@ -34,6 +38,10 @@ class Epoch:
         self.kinds.add(kind)
         if observation.time_ns is not None:
             self.time_ns = observation.time_ns
+            if not observation.is_whole_s:
+                self.is_whole_s = False
+            if not self.first_key:
+                self.first_key = observation.key
             self.timed_keys.add(observation.key)
         if kind in {"GSV", "GSA"}:
             self.sky.add(observation)

@@ -69,7 +69,7 @@ def ingest(
 def core_of(database: Database, source: CanSource, vehicle: Vehicle | None = None) -> CanIngestCore:
     vehicle = vehicle or Vehicle()
     mapping = compile_mapping(source, [database], vehicle, "drive.toml")
-    return CanIngestCore(source, mapping, vehicle, channel=source.channel)
+    return CanIngestCore(source, mapping, vehicle)
 
 
 def feed(core: CanIngestCore, *inputs: Any) -> list[Message]:
@@ -343,17 +343,6 @@ def test_a_clock_that_steps_back_goes_on_and_is_counted(database: Database) -> N
     messages = feed(core, *(frame(seconds, 257, "640001") for seconds in times))
     assert [message.t_ns for message in messages] == [at(s) for s in (10, 11, 11, 12, 12.5)]
     assert core.bad_input == 1
-
-
-def test_only_the_named_channel_is_read(database: Database) -> None:
-    source = CanSource(
-        path="x.log",
-        channel="can1",
-        signals={"gyro.yaw_rate_degps": SignalMapping(message="Imu", signal="Rate")},
-    )
-    core = core_of(database, source)
-    both = (frame(0, 257, "640001", "can0"), frame(1, 257, "640001", "can1"))
-    assert [message.t_ns for message in feed(core, *both)] == [at(1)]
 
 
 def test_j1939_matches_by_pgn_and_nulls_what_is_not_available(database: Database) -> None:
