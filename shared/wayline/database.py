@@ -94,6 +94,11 @@ def run_migrations() -> None:
         context.run_migrations()
 
 
+def said(error: sa.exc.DBAPIError) -> str:
+    """The driver's own words, in one line; what follows them are guesses."""
+    return str(error.orig).strip().partition("\n")[0]
+
+
 def _is_missing(address: sa.URL) -> bool:
     return bool(is_sqlite(address) and address.database and not Path(address.database).is_file())
 
@@ -125,7 +130,7 @@ def _engine_options(address: sa.URL) -> dict[str, Any]:
 
 def _unusable(address: sa.URL, error: sa.exc.DBAPIError) -> InputError:
     """An option of the address that the driver does not know will be unknown for ever."""
-    what, mend = f"cannot be opened ({error.orig})", "check the address and its rights"
+    what, mend = f"cannot be opened ({said(error)})", "check the address and its rights"
     is_of_server = getattr(error.orig, "sqlstate", None) is not None
     if isinstance(error, sa.exc.ProgrammingError) and not is_of_server:
         return InputError(shown(address), what, mend)

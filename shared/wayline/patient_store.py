@@ -11,7 +11,7 @@ import msgspec
 import sqlalchemy as sa
 
 from wayline.core import Record
-from wayline.database import DatabaseAwayError, open_database
+from wayline.database import DatabaseAwayError, open_database, said
 from wayline.errors import InputError
 from wayline.settings import Settings
 from wayline.spool import Spool, Waiting
@@ -197,7 +197,7 @@ class PatientStore(Generic[KeptType]):
         except DatabaseAwayError as error:
             self._give_up(error.what)
         except sa.exc.DBAPIError as error:
-            self._give_up(str(error.orig))
+            self._give_up(said(error))
         else:
             self._be_well()
         finally:
@@ -226,7 +226,7 @@ class PatientStore(Generic[KeptType]):
                 answers = kept.save(waiting.vehicle_id, waiting.record)
             except (sa.exc.DataError, sa.exc.IntegrityError) as error:
                 # it would be refused for ever, and all that come after would wait for it
-                log.error("a record of %s is refused: %s", waiting.vehicle_id, error.orig)
+                log.error("a record of %s is refused: %s", waiting.vehicle_id, said(error))
                 self._spool.lost += 1
                 answers = ()
             with self._lock:
@@ -240,7 +240,7 @@ class PatientStore(Generic[KeptType]):
 
     def _give_up(self, what: str) -> None:
         """Leave the database alone for a while, each time longer."""
-        what = " ".join(what.split())[:WHAT_MAX]
+        what = what[:WHAT_MAX]
         if self._trouble is None:
             log.warning("the database cannot be used: %s", what)
             self._pause_s = FIRST_PAUSE_S
