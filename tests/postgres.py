@@ -70,8 +70,9 @@ class Cluster:
         return self._address(name)
 
     def close(self) -> None:
-        """End it and remove its folder."""
-        self.stop("immediate")
+        """End it, if it runs, and remove its folder."""
+        if (self._data / "postmaster.pid").exists():
+            self.stop("immediate")
         shutil.rmtree(self._folder)
 
     def _address(self, name: str) -> str:

@@ -25,14 +25,14 @@ from wayline.http import Healthz
 from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
 from wayline.keys import FLEET, Key, alive_key, parse_key
-from wayline.messages import TEXT_MAX, Health, Message
+from wayline.messages import Health, Message
 from wayline.playback import Played
 from wayline.queryable import replier
 from wayline.receipts import Receipts
 from wayline.seats import Seat, Seats
 from wayline.service import Feed, Service
 from wayline.settings import EVERY_VEHICLE, Settings
-from wayline.telemetry import Telemetry
+from wayline.telemetry import Telemetry, joined
 from wayline.view import Receipt
 
 POLL_S = 0.05
@@ -300,13 +300,14 @@ class Loop:
 
     def _tell_health(self) -> None:
         service, inbox = self._service, self._inbox
-        details = [each.detail for each in (*service.feeds, service.store) if each and each.detail]
+        reporting = (*service.feeds, service.store)
+        details = joined([each.detail for each in reporting if each and each.detail])
         health = self._health = self._telemetry.health(
             time.time_ns(),
             inbox.backlog,
             inbox.dropped,
             service.bad_input(),
-            "; ".join(details)[:TEXT_MAX] or None,
+            details or None,
         )
         if service.is_announced:
             self._publishers.put(self._home(), health.topic, service.name, encode(health))

@@ -57,9 +57,9 @@ def is_gpsd_log(path: Path) -> bool:
     return first.lstrip(b"\xef\xbb\xbf ").startswith(b'{"class":')
 
 
-def gpsd_lines(path: Path) -> Iterator[str]:
+def gpsd_lines(file: TextFile) -> Iterator[str]:
     """The reports of gpsd that a log holds, in order. Raises InputError."""
-    for line in _lines(TextFile(path)):
+    for line in _lines(file):
         yield line[max(line.find(b"{"), 0) :].decode("utf-8", "replace")
 
 

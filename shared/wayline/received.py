@@ -56,7 +56,7 @@ def translated(
     source: str,
     received_ns: Callable[[Raw, Message], int],
 ) -> Iterator[tuple[int, Message]]:
-    """Messages that an ingest core makes of raw input, with their arrival."""
+    """Messages that an ingest core makes of raw input, with their receipt."""
     last: Raw | None = None
     for last in inputs:
         for message in handle(last, source):

@@ -22,6 +22,8 @@ import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import reduce
+from operator import xor
 from pathlib import Path
 from types import FrameType
 
@@ -39,16 +41,19 @@ WARM_FILES = 5_000
 """Caches are full by then; memory is compared from there."""
 GROWTH_MAX_KB = 20_000
 
-NMEA = b"""# receiver 7
-$GPGGA,120000.00,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*67
-$GPRMC,120000.00,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*4A
-$GPGSA,A,3,04,05,,09,12,,,24,,,,,2.5,1.3,2.1*39
-1700000000.25 $GPZDA,120000.02,23,03,1994,00,00*60
-$GPGSV,1,1,01,07,46,259,26*47
-$GPGST,120001.00,5.0,,,,3.0,4.0,7.5*7B
-$GPGLL,4807.038,N,01131.000,E,120001.00,A,A*69
-$GPRMC,120001.00,A,4807.039,N,01131.000,E,022.4,084.4,230394,003.1,W*4A
-"""
+SENTENCES = (
+    b"$GPGGA,120000.00,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,",
+    b"$GPRMC,120000.00,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W",
+    b"$GPGSA,A,3,04,05,,09,12,,,24,,,,,2.5,1.3,2.1",
+    b"1700000000.25 $GPZDA,120000.02,23,03,1994,00,00",
+    b"$GPGSV,1,1,01,07,46,259,26",
+    b"$GPGST,120001.00,5.0,,,,3.0,4.0,7.5",
+    b"$GPGLL,4807.038,N,01131.000,E,120001.00,A,A",
+    b"$GPRMC,120001.00,A,4807.039,N,01131.000,E,022.4,084.4,230394,003.1,W",
+)
+NMEA = b"".join(
+    b"%s*%02X\r\n" % (sentence, reduce(xor, sentence.partition(b"$")[2])) for sentence in SENTENCES
+)
 GPSD = b"""{"class":"VERSION","release":"3.17","proto_major":3,"proto_minor":12}
 {"class":"TPV","device":"a","mode":3,"time":"2019-03-10T08:16:24.000Z","lat":48.1,"lon":11.5,"alt":449.5,"speed":0.041,"track":51.15}
 {"class":"SKY","device":"a","hdop":1.1,"pdop":1.8,"nSat":2,"uSat":1,"satellites":[{"PRN":17,"el":72.0,"az":360.0,"ss":32.0,"used":true}]}

@@ -272,7 +272,7 @@ def test_frames_that_nothing_maps_are_an_error_and_counted_beside_others(tmp_pat
         'VERSION ""\nBU_: X\nBO_ 77 SPD: 8 X\n SG_ Speed : 0|16@1+ (1,0) [0|1] "km/h" X\n'
     )
     said = replayed(drive, tmp_path).said
-    assert "none of its 6 frames is mapped (it has 123, 18FEF100)" in said
+    assert "none of its frames is mapped (it has 123, 18FEF100)" in said
 
 
 def test_an_nmea_log_without_a_sentence_is_an_error(tmp_path: Path) -> None:

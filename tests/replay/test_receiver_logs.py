@@ -1,5 +1,6 @@
 """Logs as receivers, links and loggers write them, through `wayline replay` to fixes."""
 
+import gzip
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -154,3 +155,31 @@ def test_a_log_of_gpsds_reports_is_read(log: Callable[..., Replayed]) -> None:
     found = log((LOGS / "gpsd-old-alt" / "gpsd.jsonl").read_bytes(), name="gpsd.jsonl")
     assert [(fix["valid"], fix["alt_m"]) for fix in found.fixes] == [(True, 449.5)] * 2
     assert found.bad_input == 0
+
+
+@pytest.mark.parametrize("name", ["g.nmea", "gpsd.jsonl"])
+def test_a_packed_log_that_was_cut_is_read_so_far_and_counted(
+    log: Callable[..., Replayed], name: str
+) -> None:
+    """Power went before the logger could close its file."""
+    gpsd = (
+        f'{{"class":"TPV","mode":2,"time":"2026-11-30T01:{minute:02d}:{second:02d}Z",'
+        f'"lat":48.1,"lon":11.5,"speed":{second}.{minute}}}\n'
+        for minute in range(60)
+        for second in range(60)
+    )
+    nmea = (
+        f"{rmc(f'12{minute:02d}{second:02d}')}\n" for minute in range(60) for second in range(60)
+    )
+    packed = gzip.compress("".join(nmea if name == "g.nmea" else gpsd).encode())
+    found = log(packed[: len(packed) // 2], name=name)
+    assert 600 < len(found.fixes) < 3000
+    assert found.bad_input in (1, 2)  # the line that was cut too
+
+
+def test_a_drive_file_may_have_a_byte_order_mark(tmp_path: Path) -> None:
+    """As Windows' editor saves it."""
+    (tmp_path / "g.nmea").write_bytes(text(rmc("120000")))
+    table = '[drive]\nvehicle_id = "t"\n[[nmea]]\npath = "g.nmea"\n'
+    (tmp_path / "drive.toml").write_text(table, encoding="utf-8-sig")
+    assert len(replayed(tmp_path, tmp_path / "out").fixes) == 1

@@ -52,13 +52,6 @@ class CanIngestCore:
         self._has_fix = bool(mapping.gps_fields)
         self.dropped = 0
         """Frames that came before the clock signal and did not fit the waiting room."""
-        self.mapped = 0
-        """Frames that the mapping asks for."""
-
-    @property
-    def has_plans(self) -> bool:
-        """Whether anything is mapped, by the source or by a profile."""
-        return bool(self._mapping.plans)
 
     @property
     def has_no_time(self) -> bool:
@@ -87,7 +80,6 @@ class CanIngestCore:
     def _frame(self, frame: Frame) -> Sequence[Message]:
         plans = self._mapping.find(frame.arbitration_id, frame.extended)
         if plans:
-            self.mapped += 1
             return self._planned(frame, plans)
         if self._transport is None or not frame.extended:
             return ()

@@ -1,15 +1,19 @@
 """The buses of a recorded drive, as bus messages."""
 
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 
 from wayline.can_log import CanLog
 from wayline.drive import CanSource, Drive, Vehicle
 from wayline.errors import InputError, UnreadableError
+from wayline.inputs import Frame
 from wayline.received import Account, Recording, source_names, translated
 from wayline_can_ingest.configured import load_mapping
 from wayline_can_ingest.core import CanIngestCore
-from wayline_can_ingest.nothing import nothing_read
+from wayline_can_ingest.mapping import Mapping
+from wayline_can_ingest.nothing import clock_never_told, no_frames, nothing_mapped
 from wayline_can_ingest.utc import DriveClock
+from wayline_can_ingest.wanted import Wanted
 
 UNDATED_FROM_S = 946_684_800
 """2000: where the times of a recording without a date begin that is a drive's only source."""
@@ -60,24 +64,43 @@ def _bus(
     source: CanSource, vehicle: Vehicle, where: str, name: str, told: DriveClock | None
 ) -> Recording:
     has_own = source.clock is not None or source.clock_offset_s != 0.0
-    core = _core(source, vehicle, where, DriveClock.of(source) if has_own else told)
     has_clock = has_own or told is not None
+    mapping = load_mapping(source, vehicle, where)
+    clock = DriveClock.of(source) if has_own else told
+    core = CanIngestCore(source, mapping, vehicle, clock=clock)
     log = CanLog.of(source, undated_from_s=0 if has_clock else UNDATED_FROM_S)
-    messages = translated(log, core.handle, name, lambda frame, _: core.received_ns(frame))
+    frames = Counted(log, mapping)
+    messages = translated(frames, core.handle, name, lambda frame, _: core.received_ns(frame))
 
     def account() -> Account:
         left_out = dict(log.left_out)
-        if log.frames > core.mapped:
-            left_out["not mapped"] = log.frames - core.mapped
+        if frames.unmapped:
+            left_out["not mapped"] = frames.unmapped
         return Account(left_out, _warnings(source, log, has_clock=has_clock))
 
+    def nothing() -> InputError:
+        mapped = log.frames - frames.unmapped
+        if mapped and source.clock is not None and core.has_no_time:
+            return clock_never_told(source)
+        return nothing_mapped(source, mapping, mapped, where) if log.frames else no_frames(log)
+
     return Recording(
-        name,
-        messages,
-        lambda: core.bad_input + core.dropped + log.bad_input,
-        account,
-        lambda: nothing_read(source, log, core, where),
+        name, messages, lambda: core.bad_input + core.dropped + log.bad_input, account, nothing
     )
+
+
+class Counted:
+    """Passes frames on and counts those that the mapping does not ask for."""
+
+    def __init__(self, frames: Iterable[Frame], mapping: Mapping) -> None:
+        self._frames = frames
+        self._wanted = Wanted(mapping)
+        self.unmapped = 0
+
+    def __iter__(self) -> Iterator[Frame]:
+        for frame in self._frames:
+            self.unmapped += not self._wanted.has(frame)
+            yield frame
 
 
 def _warnings(source: CanSource, log: CanLog, *, has_clock: bool) -> list[str]:

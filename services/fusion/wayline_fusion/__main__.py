@@ -9,8 +9,8 @@ from wayline.settings import Settings
 from wayline.shell import main as run_shell
 from wayline.shell import plain_app
 from wayline_fusion.core import FusionCore
+from wayline_fusion.keeping.store import FusionTables
 from wayline_fusion.live_view import live_views
-from wayline_fusion.store import FusionTables
 
 NAME = "fusion"
 

@@ -208,14 +208,15 @@ class EpochAssembler:
 
     def _take(self, observation: Observation) -> list[Epoch]:
         """Epochs that a sentence of the current cycle ends."""
-        epoch = self._epoch_of(observation)
+        epoch, order = self._epoch_of(observation), self._order
         epoch.add(observation)
-        self._order.note(observation.key)
-        if not self._ended and self._first and self._order.at_end(self._first.timed_keys):
+        order.note(observation.key)
+        first = self._first
+        if first is None:
+            return []
+        if not self._ended and order.at_end(first.timed_keys):
             return self._finish_current()
-        if self._second and self._first and epoch is self._second:
-            return self._repeated(self._first, epoch)
-        return []
+        return self._repeated(first, epoch) if epoch is self._second else []
 
     def _finish_current(self) -> list[Epoch]:
         if self._first is None or self._ended:

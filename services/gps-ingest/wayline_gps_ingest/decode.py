@@ -31,7 +31,7 @@ from wayline_gps_ingest.parsing import Parsed
 
 ALTITUDE_MIN_M = -1000.0
 """Below any road; receivers write -5400 m and the like for unknown."""
-BLANKS = ("",) * 20
+BLANKS = [""] * 20
 QUALITY: dict[str, FixKind] = {
     "1": "gps",
     "2": "dgps",
@@ -89,6 +89,10 @@ class Facts(TypedDict, total=False):
     v_std_m: float
 
 
+NOTHING = Facts()
+"""Of a sentence of satellites; nobody may add to it."""
+
+
 class Observation(msgspec.Struct, frozen=True):
     """One sentence, read. `key` tells it from the others of its receiver's cycle."""
 
@@ -106,7 +110,7 @@ class Observation(msgspec.Struct, frozen=True):
 
 def decode(parsed: Parsed) -> Observation:
     """What a sentence says. Raises BadFieldError where its time, date or position is no such."""
-    return DECODERS[parsed.kind](parsed, [*parsed.fields, *BLANKS])
+    return DECODERS[parsed.kind](parsed, parsed.fields + BLANKS)
 
 
 def _gga(parsed: Parsed, fields: list[str]) -> Observation:
@@ -196,8 +200,8 @@ def _gsv(parsed: Parsed, fields: list[str]) -> Observation:
     has_signal = len(parsed.fields) > 3 and len(parsed.fields) % 4 == 0
     signal = parsed.fields[-1][:1] if has_signal else ""
     end = "" if fields[0] == fields[1] else "+"
-    key = f"{parsed.talker}GSV{signal}{end}"
-    return Observation(key, "GSV", None, Facts(), parsed.fields, parsed.talker)
+    key = parsed.talker + "GSV" + signal + end
+    return Observation(key, "GSV", None, NOTHING, parsed.fields, parsed.talker)
 
 
 def _gst(parsed: Parsed, fields: list[str]) -> Observation:

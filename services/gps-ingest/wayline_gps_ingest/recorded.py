@@ -10,6 +10,7 @@ from wayline.errors import InputError
 from wayline.inputs import PositionReport
 from wayline.nmea_log import NmeaLog, gpsd_lines, has_date, has_sentence, is_gpsd_log
 from wayline.received import Recording, source_names, translated
+from wayline.text_file import TextFile
 from wayline_gps_ingest.core import GpsIngestCore
 from wayline_gps_ingest.gpsd import GpsdCore, GpsdReport
 
@@ -64,14 +65,15 @@ def _gpsd(path: Path, vehicle: Vehicle, name: str) -> Recording:
     """What `gpspipe -w` wrote down of a gpsd."""
     core = GpsdCore(vehicle.gps_latency_s)
     latency_ns = round(vehicle.gps_latency_s * 1e9)
-    lines = (GpsdReport(None, line) for line in gpsd_lines(path))
+    log = TextFile(path)
+    lines = (GpsdReport(None, line) for line in gpsd_lines(log))
     messages = translated(lines, core.handle, name, lambda _, fix: fix.t_ns + latency_ns)
 
     def nothing() -> InputError:
         mend = "record with gpspipe -w while the receiver has a fix"
         return InputError(str(path), "none of gpsd's reports in it tells a position", mend)
 
-    return Recording(name, messages, lambda: core.bad_input, nothing=nothing)
+    return Recording(name, messages, lambda: core.bad_input + log.is_broken, nothing=nothing)
 
 
 def _reports(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:

@@ -87,7 +87,7 @@ def heard_in(paths: Sequence[Path]) -> Heard:
     log = CanLog(paths)
     frames = tuple(itertools.islice(log, MOST_FRAMES))
     if not frames:
-        raise no_frames(", ".join(map(str, paths)), log)
+        raise no_frames(log)
     notes = [str(problem) for problem in log.problems]
     if len(frames) == MOST_FRAMES:
         notes.append(f"its first {MOST_FRAMES:,} frames")
