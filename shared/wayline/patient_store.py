@@ -85,10 +85,10 @@ class PatientStore(Generic[KeptType]):
         self._news: queue.SimpleQueue[msgspec.Struct] = queue.SimpleQueue()
         self._engine: sa.Engine | None = None
         self._kept: KeptType | None = None
-        self._trouble: tuple[float, str] | None = None
-        """Since when (monotonic) the database cannot be used, and why."""
+        self._trouble: str | None = None
+        """Why the database cannot be used."""
         self._asked_s: float | None = None
-        """Since when the database is at work."""
+        """Since when, by the monotonic clock, an answer is waited for."""
         self._pause_s = FIRST_PAUSE_S
         self._awake, self._ending = threading.Event(), threading.Event()
         self._thread: threading.Thread | None = None
@@ -148,22 +148,23 @@ class PatientStore(Generic[KeptType]):
 
     @property
     def problem(self) -> str | None:
-        """What is wrong now, for `health` and for who asks whether the service is ready."""
-        now_s, trouble, asked_s = time.monotonic(), self._trouble, self._asked_s
+        """What is wrong with the database now, in a few words; None where all is well."""
+        waiting = f"{len(self._spool)} records wait"
+        trouble, asked_s = self._trouble, self._asked_s
         if trouble is not None:
-            since_s, what = trouble
-            waiting = len(self._spool)
-            return f"database away for {now_s - since_s:.0f} s ({what}), {waiting} records wait"
-        if asked_s is not None and now_s - asked_s > SLOW_S:
-            return f"database silent for {now_s - asked_s:.0f} s, {len(self._spool)} records wait"
+            return f"away ({trouble}), {waiting}"
+        if asked_s is not None and time.monotonic() - asked_s > SLOW_S:
+            return f"silent, {waiting}"
         return None
 
     @property
     def detail(self) -> str | None:
         """What `health` should say: the problem, or what it has cost."""
-        lost = self._spool.lost
-        cost = f"{lost} records lost: too many waited, or the database refused them"
-        return self.problem or (cost if lost else None)
+        if (problem := self.problem) is not None:
+            return f"database {problem}"
+        if (lost := self._spool.lost) > 0:
+            return f"{lost} records lost: too many waited, or the database refused them"
+        return None
 
     def _run(self) -> None:
         self._died = True
@@ -222,6 +223,7 @@ class PatientStore(Generic[KeptType]):
 
     def _save_all(self, kept: KeptType) -> None:
         while (waiting := self._first()) is not None:
+            self._asked_s = time.monotonic()
             try:
                 answers = kept.save(waiting.vehicle_id, waiting.record)
             except (sa.exc.DataError, sa.exc.IntegrityError) as error:
@@ -246,8 +248,7 @@ class PatientStore(Generic[KeptType]):
             self._pause_s = FIRST_PAUSE_S
         else:
             self._pause_s = min(2.0 * self._pause_s, self._retry_s)
-        since_s = self._trouble[0] if self._trouble else time.monotonic()
-        self._trouble = (since_s, what)
+        self._trouble = what
         while not self._questions.empty():
             self._questions.get().over.set()
         self._let_go()

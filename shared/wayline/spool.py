@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from wayline.core import Record
 
-CAPACITY = 500
-"""Runs of slope are a megabyte each at the most, and a vehicle makes a few an hour."""
+CAPACITY = 1_000
+"""A run of slope over 5 km takes some 100 kB, and a vehicle makes a few an hour."""
 
 
 class Waiting(NamedTuple):

@@ -29,8 +29,11 @@ def build(settings: Settings, options: Namespace) -> Service:
         del source
         if store is None:
             return Node(NAME, FusionCore(settings.tuning))
-        saved = store.ask(lambda tables: tables.load(vehicle_id))
-        return Node(NAME, FusionCore(settings.tuning, saved), store.of(vehicle_id))
+        found = store.ask(lambda tables: tables.load(vehicle_id))
+        if found is None:
+            return Node(NAME, FusionCore(settings.tuning), store.of(vehicle_id))
+        told.add(vehicle_id)
+        return Node(NAME, FusionCore(settings.tuning, found.saved), store.of(vehicle_id))
 
     return Service(
         NAME,

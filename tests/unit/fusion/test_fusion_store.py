@@ -161,8 +161,8 @@ def test_a_core_that_began_without_what_was_kept_replaces_it_once_it_knows_as_we
 
 def test_a_core_that_was_told_replaces_what_was_kept(engine: sa.Engine) -> None:
     FusionStore(engine, "bus-1").save(SAVED)
-    tables = FusionTables(engine, set())
-    assert tables.load("bus-1") == SAVED
+    tables = FusionTables(engine, {"bus-1"})
+    assert tables.load("bus-1").saved == SAVED
     tables.save("bus-1", surer(1.1))
     assert FusionStore(engine, "bus-1").load() == surer(1.1)
 

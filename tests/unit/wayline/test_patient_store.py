@@ -129,9 +129,9 @@ def test_a_folder_that_is_mounted_later_gets_what_waited(
     caplog.set_level(logging.INFO, "wayline")
     running = run(f"sqlite:///{folder}/a.db")
     running.put("a", "b")
-    said = running.store.problem or ""
-    assert said.startswith("database away for 0 s (no folder")
-    assert said.endswith(", 2 records wait")
+    said = running.store.problem
+    assert said == f"away (no folder {folder}), 2 records wait"
+    assert running.store.detail == f"database {said}"
     assert running.store.ask(lambda roads: roads.names()) is None
     folder.mkdir()
     running.await_told("a", "b")

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import msgspec
 import sqlalchemy as sa
@@ -41,6 +42,12 @@ class FusionStore:
         return None if row is None else _saved({str(name): value for name, value in row.items()})
 
 
+class Found(NamedTuple):
+    """What there was of a vehicle in a database that could be asked."""
+
+    saved: Saved | None
+
+
 class FusionTables:
     """Every vehicle's row, for a `PatientStore`.
 
@@ -51,11 +58,9 @@ class FusionTables:
     def __init__(self, engine: sa.Engine, told: set[str]) -> None:
         self._engine, self._told = engine, told
 
-    def load(self, vehicle_id: str) -> Saved | None:
+    def load(self, vehicle_id: str) -> Found:
         """What was kept of a vehicle, for its core."""
-        saved = FusionStore(self._engine, vehicle_id).load()
-        self._told.add(vehicle_id)
-        return saved
+        return Found(FusionStore(self._engine, vehicle_id).load())
 
     def save(self, vehicle_id: str, record: Record) -> Sequence[msgspec.Struct]:
         """Keep what is known of a vehicle; there is no answer."""

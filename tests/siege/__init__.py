@@ -1,1 +1,0 @@
-"""Long fault tests: `scripts/siege ROW`; pytest runs the same with short times."""
