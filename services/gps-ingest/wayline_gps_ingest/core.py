@@ -14,7 +14,6 @@ from wayline_gps_ingest.decode import decode
 from wayline_gps_ingest.derived_speed import DerivedSpeed
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
-from wayline_gps_ingest.latecomers import Latecomers
 from wayline_gps_ingest.onward_clock import OnwardClock
 from wayline_gps_ingest.parsing import parse
 from wayline_gps_ingest.reports import fix_of_report
@@ -43,7 +42,6 @@ class GpsIngestCore:
         self._assembler = EpochAssembler()
         self._dates = Dates(date)
         self._clock = OnwardClock()
-        self._latecomers = Latecomers()
         self._derived_speed = DerivedSpeed()
         self._faults: Counter[str] = Counter()
         self._waiting = WaitingRoom()
@@ -66,7 +64,7 @@ class GpsIngestCore:
             **self._faults,
             "undated": self._waiting.dropped,
             "clock": self._clock.faults,
-            "late": self._assembler.late + self._latecomers.dropped,
+            "late": self._assembler.late + self._clock.late,
         }
         return {reason: times for reason, times in counted.items() if times}
 
@@ -168,7 +166,7 @@ class GpsIngestCore:
 
     def _onward_ns(self, raw_ns: int, *, valid: bool) -> int | None:
         """When a fix is said to be of; None where it is not told."""
-        if raw_ns < 0 or self._latecomers.is_late(raw_ns):
+        if raw_ns < 0 or self._clock.is_overtaken(raw_ns):
             return None
         return self._clock.fixed_ns(raw_ns) if valid else self._clock.unfixed_ns(raw_ns)
 
