@@ -1,4 +1,4 @@
-"""Short forms of `scripts/siege server|disk|kills`."""
+"""Short forms of `scripts/siege server|disk`, and addresses that only editing mends."""
 
 import re
 import subprocess
@@ -8,7 +8,6 @@ import pytest
 
 from postgres import Cluster
 from siege.disk import full, siege
-from siege.kills import killed
 from siege.server import server_away
 from wayline_cli.local_system import LocalSystem
 
@@ -29,10 +28,6 @@ def test_a_server_that_is_away_stopped_and_frozen_costs_no_pose_and_no_run(
 
 def test_a_disk_that_is_full_costs_no_pose_and_no_run(tmp_path: Path) -> None:
     siege(tmp_path, 0.5, [full])
-
-
-def test_what_was_kept_survives_kill_9(tmp_path: Path) -> None:
-    killed(tmp_path, 1, seed=2)
 
 
 @pytest.mark.parametrize(
