@@ -45,6 +45,8 @@ class Tuning(Strict, frozen=True, kw_only=True):
     were before them, and at the latest after this: one set of walls reflects for a minute or so."""
     relock_at_once_s: Positive = 5.0
     """...and at the earliest after this."""
+    relock_without_gyro_s: Positive = 8.0
+    """...or after this where no gyro tells of turns: what was reckoned goes straight on."""
     relock_after_outage_s: Positive = 25.0
     """At the latest after an outage, when dead reckoning is the one to doubt..."""
     relock_outage_s: Positive = 60.0

@@ -16,7 +16,7 @@ from wayline_fusion.intake.intake import Intake
 from wayline_fusion.intake.told import Told
 from wayline_fusion.keeping.keeper import Keeper
 from wayline_fusion.keeping.records import Saved
-from wayline_fusion.outputs import Outputs
+from wayline_fusion.outputs import Fixes, Outputs
 
 Taker = Callable[[Any, str], Sequence[Message | Record]]
 """Takes one kind of input."""
@@ -138,7 +138,8 @@ class FusionCore:
     def _pose(self, t_ns: int) -> Message:
         self._pose_ns = t_ns
         has_can = self._has_can(self._estimator.progress.t_ns)
-        return self._outputs.pose(t_ns, self._fix_delay_ns, has_can=has_can)
+        fixes = Fixes(self._intake.cadence.usual_s, self._fix_delay_ns)
+        return self._outputs.pose(t_ns, fixes, has_can=has_can)
 
     def _has_can(self, t_ns: int) -> bool:
         vehicle_ns = self._intake.vehicle_ns

@@ -7,7 +7,7 @@ import msgspec
 from wayline.agreement import Agreement, Off, rejected
 from wayline.likelihood import Measurement
 from wayline_fusion.filter import measurements
-from wayline_fusion.filter.estimate import Estimate
+from wayline_fusion.filter.estimate import Estimate, Turn
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
 from wayline_fusion.filter.situation import TakenCourse
 from wayline_fusion.filter.states import States
@@ -39,8 +39,9 @@ class Course:
     the heading anew, the gyro's bias and the way since are doubted.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, turn: Turn) -> None:
         self.evidence = CourseEvidence()
+        self._turn = turn
 
     def take(self, estimate: Estimate, course: GpsCourse) -> Outcome:
         """Correct the heading with a course, or start from it; a crawl has none worth it."""
@@ -58,7 +59,12 @@ class Course:
             return UNUSED
         measurement = measurements.course(x, course.course_rad, std_rad, rate_radps)
         _learn_doppler(estimate, course, measurement)
-        policy = Policy(tuning.gate_probability)
+        self._bend_way(estimate, course.t_ns, float(measurement.y[0]))
+
+        def second_look(unlikely: Measurement) -> bool:
+            return self._allow_turn(estimate, unlikely, course)
+
+        policy = Policy(tuning.gate_probability, second_look=second_look)
         outcome = try_measurement(estimate, measurement, course.t_ns, policy)
         if outcome.is_accepted:
             self.evidence = CourseEvidence()
@@ -68,9 +74,25 @@ class Course:
             self._wait(estimate, course.t_ns, float(outcome.off[0]))
         return outcome
 
+    def _bend_way(self, estimate: Estimate, t_ns: int, off_rad: float) -> None:
+        """Where no gyro has told of a turn, the way since the last course was no straight line."""
+        before = estimate.situation.course
+        if before is not None and not estimate.gyro.covers(t_ns):
+            estimate.filter.inflate_arc(off_rad, (t_ns - before.t_ns) * 1e-9)
+
+    def _allow_turn(
+        self, estimate: Estimate, unlikely: Measurement, course: GpsCourse
+    ) -> bool:
+        """Whether an unlikely course is doubted away: the vehicle may have turned."""
+        before = estimate.situation.course
+        since_ns = None if before is None else before.t_ns
+        return self._turn(estimate, float(unlikely.y[0]), course.speed_mps, since_ns)
+
     def _wait(self, estimate: Estimate, t_ns: int, off_rad: float) -> None:
         """Remember a rejected course; believe it when others have agreed for long enough."""
-        agreement = rejected(self.evidence.agreement, t_ns, (off_rad,), are_alike)
+        agreement = rejected(
+            self.evidence.agreement, t_ns, (off_rad,), are_alike, estimate.rejected_forgotten_ns
+        )
         self.evidence = CourseEvidence(agreement)
         if agreement.agreed_s >= estimate.tuning.course_relock_after_s:
             self.evidence = CourseEvidence()

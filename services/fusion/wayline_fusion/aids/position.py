@@ -11,8 +11,9 @@ from wayline.geo import LocalPlane
 from wayline.likelihood import Floats, Measurement, threshold, weighed
 from wayline.tuning import Tuning
 from wayline_fusion.filter import measurements
-from wayline_fusion.filter.estimate import Estimate
+from wayline_fusion.filter.estimate import Estimate, Turn
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
+from wayline_fusion.filter.states import States
 from wayline_fusion.intake.events import GpsPosition
 
 WHITE_FACTOR_MIN = 0.05
@@ -24,6 +25,8 @@ LIKELY_PROBABILITY = 0.95
 less likely than this count for less."""
 SAME_ERROR_RATIO = 0.7
 """Of two claimed stds; a satellite more or less changes them by less."""
+GUESSED_RATIO = 3.0
+"""Of stds: a way that is known so much worse than the fix's white noise says nothing of it."""
 RELOCK_DOUBT_SHARE = 0.5
 """Positions that have won against dead reckoning may still be the reflections."""
 AGREEING_M = 10.0
@@ -54,8 +57,9 @@ class Position:
     during which dead reckoning is good to metres; after a long outage it is the one to doubt.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, turn: Turn) -> None:
         self.evidence = PositionEvidence()
+        self._turn = turn
 
     def take(self, estimate: Estimate, fix: GpsPosition) -> Outcome:
         """Correct with a position; where dead reckoning is not possible yet, start from it."""
@@ -69,16 +73,22 @@ class Position:
         return self._try(estimate, fix, place_m)
 
     def _try(self, estimate: Estimate, fix: GpsPosition, place_m: tuple[float, float]) -> Outcome:
-        noise = estimate.learned.position_noise
-        slow_std_m = estimate.filter.slow_std_m(fix.std_m)
-        claimed_m2 = fix.std_m**2 - slow_std_m**2
+        noise, std_m = estimate.learned.position_noise, _std_m(estimate, fix)
+        slow_std_m = estimate.filter.slow_std_m(std_m)
+        claimed_m2 = std_m**2 - slow_std_m**2
         # where white noise is more than claimed, what is slow is too
         slow_std_m *= max(noise.factor, 1.0) ** SLOW_FACTOR_POWER
         self._renew_error(estimate, slow_std_m)
         white_m2 = noise.factor * claimed_m2
         white_std_m = math.sqrt(max(white_m2, claimed_m2))
         measurement = measurements.position(estimate.filter.x, *place_m, slow_std_m, white_std_m)
-        policy = Policy(self._probability(estimate, fix.t_ns), weigh=partial(_weighed, white_m2))
+
+        def second_look(unlikely: Measurement) -> bool:
+            return self._allow_turn(estimate, unlikely)
+
+        weigh = partial(_weighed, white_m2) if _is_way_known(estimate, measurement) else None
+        probability = self._probability(estimate, fix.t_ns)
+        policy = Policy(probability, second_look=second_look, weigh=weigh)
         outcome = try_measurement(estimate, measurement, fix.t_ns, policy)
         if not outcome.is_accepted:
             self._wait(estimate, fix, place_m, measurement, outcome)
@@ -90,6 +100,15 @@ class Position:
         )
         self._accepted(estimate, fix.t_ns)
         return outcome
+
+    def _allow_turn(self, estimate: Estimate, unlikely: Measurement) -> bool:
+        """Whether an unlikely position is doubted away: the vehicle may have turned unseen."""
+        accepted_ns = estimate.situation.accepted_fix_ns
+        if accepted_ns is None or self.evidence.agreement is not None:
+            return False
+        way_m = abs(estimate.filter.speed_mps) * (estimate.t_ns - accepted_ns) * 1e-9
+        turned_rad = 2.0 * math.atan2(float(np.hypot(*unlikely.y)), max(way_m, 1.0))
+        return self._turn(estimate, turned_rad, abs(estimate.filter.speed_mps), accepted_ns)
 
     def _accepted(self, estimate: Estimate, t_ns: int) -> None:
         estimate.know(accepted_fix_ns=t_ns)
@@ -142,12 +161,17 @@ class Position:
         situation, tuning = estimate.situation, estimate.tuning
         off_m = (float(outcome.off[0]), float(outcome.off[1]))
         alike = partial(are_alike, max(AGREEING_M, AGREEING_STDS * fix.std_m))
-        agreement = rejected(self.evidence.agreement, fix.t_ns, off_m, alike)
+        agreement = rejected(
+            self.evidence.agreement, fix.t_ns, off_m, alike, estimate.rejected_forgotten_ns
+        )
         self.evidence = msgspec.structs.replace(self.evidence, agreement=agreement)
         is_likely = outcome.nis <= threshold(2, tuning.gate_probability)
         supported_s = ((situation.accepted_fix_ns or 0) - (situation.placed_ns or 0)) * 1e-9
         unaided_s = self._unaided_s(estimate, fix.t_ns)
-        if agreement.agreed_s < patience_s(unaided_s, supported_s, tuning, is_likely=is_likely):
+        wait_s = patience_s(unaided_s, supported_s, tuning, is_likely=is_likely)
+        if not estimate.gyro.covers(fix.t_ns):
+            wait_s = min(wait_s, tuning.relock_without_gyro_s)
+        if agreement.agreed_s < wait_s:
             return
         if is_likely:
             estimate.correct(measurement)
@@ -173,6 +197,25 @@ def patience_s(unaided_s: float, supported_s: float, tuning: Tuning, *, is_likel
 def are_alike(within_m: float, before: Off, off: Off) -> bool:
     """Whether two positions are displaced alike."""
     return math.dist(before, off) <= within_m
+
+
+def _std_m(estimate: Estimate, fix: GpsPosition) -> float:
+    """A bad fix is all but ignored (papers/003) for dead reckoning's sake, as long as that is any
+    better than what the fix's own dilution says of it."""
+    if fix.is_good or estimate.gyro.covers(fix.t_ns):
+        return fix.std_m
+    own_std_m = fix.std_m / estimate.tuning.bad_gps_factor
+    kalman = estimate.filter
+    reckoned_m = math.hypot(kalman.std(States.EAST), kalman.std(States.NORTH))
+    return own_std_m if reckoned_m > own_std_m else fix.std_m
+
+
+def _is_way_known(estimate: Estimate, measurement: Measurement) -> bool:
+    """Whether dead reckoning tells more than the fix does; a way without a gyro is guessed."""
+    if estimate.gyro.covers(estimate.t_ns):
+        return True
+    predicted_m2 = float(np.trace(estimate.filter.expected(measurement)))
+    return predicted_m2 <= GUESSED_RATIO**2 * float(np.trace(measurement.R))
 
 
 def _weighed(white_m2: float, measurement: Measurement, expected: Floats) -> Measurement:

@@ -10,10 +10,12 @@ from wayline_fusion.aids.course import Course
 from wayline_fusion.aids.gyro_restart import GyroRestart
 from wayline_fusion.aids.gyro_wander import GyroWander
 from wayline_fusion.aids.kept_pose import KeptPose
+from wayline_fusion.aids.long_way import LongWay
 from wayline_fusion.aids.manoeuvre import allow_manoeuvre
 from wayline_fusion.aids.position import Position
 from wayline_fusion.aids.rest import Rest
 from wayline_fusion.aids.speed import Speed
+from wayline_fusion.aids.turn import allow_turn
 from wayline_fusion.aids.wheels import Wheels
 from wayline_fusion.architectures.architecture import Motion, SensorErrors
 from wayline_fusion.filter.estimate import Aid, Estimate
@@ -24,6 +26,7 @@ from wayline_fusion.intake.events import (
     Elapsed,
     Event,
     Fix,
+    FixInterval,
     GpsCourse,
     GpsPosition,
     GpsSpeed,
@@ -97,11 +100,12 @@ class Loose(Estimate):
 def aids() -> Mapping[type[Event], Aid]:
     """Fresh ones, by the event that each takes."""
     return {
+        FixInterval: LongWay(),
         Fix: KeptPose(),
         GpsSpeed: Speed(allow_manoeuvre),
-        GpsCourse: Course(),
+        GpsCourse: Course(allow_turn),
         GyroCheck: GyroWander(),
-        GpsPosition: Position(),
+        GpsPosition: Position(allow_turn),
         WheelSpeed: Wheels(allow_manoeuvre),
         Elapsed: Rest(),
         GyroRestarted: GyroRestart(),

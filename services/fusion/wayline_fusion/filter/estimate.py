@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import msgspec
 
+from wayline.agreement import FORGOTTEN_AFTER_NS
 from wayline.geo import wrap_360
 from wayline.grid import LONGEST_GAP_NS
 from wayline.likelihood import Measurement
@@ -24,6 +25,10 @@ WHEELS_FRESH_NS = 2_000_000_000
 """A wheel speed this old no longer says that the vehicle moves or stands."""
 ROUNDING_CORRELATION_S = 0.1
 """While driving, the rate goes through a coarse gyro's steps this fast."""
+FORGOTTEN_INTERVALS = 3.0
+"""Of a source's fixes."""
+UNSURE_HEADING_RAD = math.radians(20.0)
+"""A way in a direction as unsure is off by more than derivatives say."""
 LONGEST_STEP_NS = 500_000_000
 SOUND_EVERY_NS = 1_000_000_000
 
@@ -57,6 +62,10 @@ class Aid(Protocol):
 
 Manoeuvre = Callable[["Estimate", Measurement, int, int | None], bool]
 """Whether an unlikely speed at an instant can have become of one believed at an earlier instant."""
+
+
+Turn = Callable[["Estimate", float, float, int | None], bool]
+"""Whether a vehicle at a speed (m/s) can have turned so far (rad) since an earlier instant."""
 
 
 class Estimate:
@@ -139,6 +148,18 @@ class Estimate:
         """Whether there is a recent wheel speed."""
         wheels_ns = self.situation.wheels_ns
         return wheels_ns is not None and self.t_ns - wheels_ns <= WHEELS_FRESH_NS
+
+    @property
+    def turns_unknown(self) -> bool:
+        """Whether no gyro tells of turns and the heading is unsure."""
+        if self.gyro.covers(self.t_ns):
+            return False
+        return self.filter.std(States.HEADING) > UNSURE_HEADING_RAD
+
+    @property
+    def rejected_forgotten_ns(self) -> int:
+        """A rejected part of a fix tells nothing of one that comes so much later."""
+        return max(FORGOTTEN_AFTER_NS, round(FORGOTTEN_INTERVALS * self.situation.fix_interval_s * 1e9))
 
     @property
     def located(self) -> bool:

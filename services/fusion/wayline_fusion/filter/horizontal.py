@@ -31,6 +31,10 @@ SPEED_UNKNOWN_MPS = 40.0
 """Std of a speed that may be any."""
 SCALE_UNKNOWN = 0.2
 """Of other tyres, or of a speed in a unit that was guessed."""
+SURE_HEADING_RAD2 = math.radians(6.0) ** 2
+"""Where a heading is as sure, what is across it is a hundredth of what is along it."""
+TURNING_RADIUS_M = 6.0
+"""Of a car's tightest turn."""
 STANDING_MPS_PER_SQRT_S = 0.05
 """What is left to the speed of a vehicle that stands."""
 
@@ -116,7 +120,9 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.Q[S.GPS_EAST, S.GPS_EAST] = self.Q[S.GPS_NORTH, S.GPS_NORTH] = 1.0 - kept**2
         self._set_noise(dt_s, noise, gyro=turn_rad is not None, standing=standing)
         self._set_acceleration_noise(dt_s, lasting, standing=standing)
+        before_m2 = self._position_m2()
         self.predict()
+        self._turn_growth(self._position_m2() - before_m2)
         # the state itself moves by the model, not by its linearisation
         x[S.EAST] += moved * sin
         x[S.NORTH] += moved * cos
@@ -125,6 +131,24 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         x[S.GPS_EAST] *= kept
         x[S.GPS_NORTH] *= kept
         self.x = np.array(x)
+
+    def _position_m2(self) -> float:
+        """Variance of the position, both axes."""
+        variance: float = self.P.item(S.EAST, S.EAST) + self.P.item(S.NORTH, S.NORTH)
+        return variance
+
+    def _turn_growth(self, grown_m2: float) -> None:
+        """What doubt of the speed has added to the position may lie across an unsure heading.
+
+        A linear model has it along the heading alone: from rest it would be sure to go straight on.
+        This is the second-order term, E[sin^2] of a normally distributed angle.
+        """
+        heading_rad2 = self.P.item(S.HEADING, S.HEADING)
+        if heading_rad2 < SURE_HEADING_RAD2 or grown_m2 <= 0.0:
+            return
+        across_m2 = 0.5 * (1.0 - math.exp(-2.0 * heading_rad2)) * grown_m2
+        self.P[S.EAST, S.EAST] += across_m2
+        self.P[S.NORTH, S.NORTH] += across_m2
 
     def _set_noise(self, dt_s: float, noise: DrivingNoise, *, gyro: bool, standing: bool) -> None:
         tuning, variances = self._tuning, self.Q.reshape(-1)[:: SIZE + 1]
@@ -140,10 +164,11 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         variances[S.ODOMETER_SCALE] = tuning.odometer_scale_walk_per_sqrt_s**2 * dt_s
 
     def _turn_rad_per_sqrt_s(self) -> float:
-        """Without a gyro: what a wheel can be turned by, and at speed what passengers bear."""
-        tuning, fastest_mps = self._tuning, abs(self.speed_mps) + self.speed_std_mps
-        slow = math.radians(tuning.turn_noise_deg_per_sqrt_s)
-        return min(slow, tuning.lateral_acceleration_std_mps2 / max(fastest_mps, 0.1))
+        """Without a gyro: by the way that is driven, by what a wheel can be turned by, and at
+        speed by what passengers bear."""
+        tuning, fastest_mps = self._tuning, max(abs(self.speed_mps) + self.speed_std_mps, 0.1)
+        slow = min(math.radians(tuning.turn_noise_deg_per_sqrt_s), fastest_mps / TURNING_RADIUS_M)
+        return min(slow, tuning.lateral_acceleration_std_mps2 / fastest_mps)
 
     def _set_acceleration_noise(self, dt_s: float, lasting: float, *, standing: bool) -> None:
         """Of the acceleration, and of the speed that it makes."""
@@ -272,6 +297,36 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P = self.P.copy()
         self.P[S.EAST, S.EAST] += std_m**2
         self.P[S.NORTH, S.NORTH] += std_m**2
+
+    def reset_way(self) -> None:
+        """Forget what the position has to do with how the vehicle has come there; keep its std.
+
+        Over a way in directions that are not known, a wrong heading bends it and a wrong speed
+        stretches it by more than their derivatives say.
+        """
+        self.P = self.P.copy()
+        for state in (S.EAST, S.NORTH):
+            variance = self.P[state, state]
+            self.P[state, :] = self.P[:, state] = 0.0
+            self.P[state, state] = variance
+
+    def inflate_turn(self, turned_rad: float, over_s: float) -> None:
+        """Doubt the heading: the vehicle may have turned so far at an even rate."""
+        heading_rad, way_m = float(self.x[S.HEADING]), abs(self.speed_mps) * over_s
+        made = np.zeros(SIZE)
+        made[S.HEADING] = turned_rad
+        made[S.EAST] = 0.5 * way_m * turned_rad * math.cos(heading_rad)
+        made[S.NORTH] = -0.5 * way_m * turned_rad * math.sin(heading_rad)
+        self.P = self.P + np.outer(made, made)
+
+    def inflate_arc(self, turned_rad: float, over_s: float) -> None:
+        """Doubt the position: a turn at an even rate has made an arc of a way that was reckoned
+        straight.
+
+        An arc is shorter than its tangent: sin(a) / a = 1 - a^2 / 6 + ...
+        """
+        way_m = abs(self.speed_mps) * over_s
+        self.inflate_position(way_m * min(turned_rad**2 / 6.0, 1.0))
 
     def recentre(self, turn_rad: float) -> None:
         """Move the plane's origin under the vehicle; headings gain `turn_rad` in the new plane."""

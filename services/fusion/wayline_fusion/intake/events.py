@@ -21,6 +21,13 @@ class WheelSpeed(msgspec.Struct, frozen=True, gc=False):
     std_mps: float
 
 
+class FixInterval(msgspec.Struct, frozen=True, gc=False):
+    """A fix is about to be used, of a source that usually tells one in so many seconds."""
+
+    t_ns: int
+    usual_s: float
+
+
 class Fix(msgspec.Struct, frozen=True, gc=False):
     """A valid fix as a whole; stds are one sigma of its total error, position per axis."""
 
@@ -71,6 +78,7 @@ class GpsPosition(msgspec.Struct, frozen=True, gc=False):
     lat_deg: float
     lon_deg: float
     std_m: float
+    is_good: bool = True
 
 
 class GpsAltitude(msgspec.Struct, frozen=True, gc=False):
@@ -109,6 +117,7 @@ class ClockStep(msgspec.Struct, frozen=True, gc=False):
 Event = (
     Elapsed
     | WheelSpeed
+    | FixInterval
     | Fix
     | GpsSpeed
     | GpsCourse
@@ -126,7 +135,7 @@ def parts_of(fix: Fix) -> tuple[Event, ...]:
 
     Speed and course come first: walls that displace a position by metres leave Doppler alone.
     """
-    position = GpsPosition(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.position_std_m)
+    position = GpsPosition(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.position_std_m, fix.is_good)
     if fix.speed_mps is None:
         return fix, position
     speed = GpsSpeed(fix.t_ns, fix.speed_mps, fix.speed_std_mps)

@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 from wayline.air import metres_per_pascal, pressure_altitude_m
+from wayline.cadence import Cadence
 from wayline.gps_quality import altitude_std_m, has_altitude, horizontal_std_m, is_good
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer
 from wayline.resolution import PRESSURE_UNIT_PA, Resolution
@@ -13,6 +14,7 @@ from wayline_fusion.intake.events import (
     ClockStep,
     Event,
     Fix,
+    FixInterval,
     GpsAltitude,
     Pressure,
     WheelSpeed,
@@ -52,6 +54,8 @@ class Intake:
         """Of the newest reading of gyro or wheels."""
         self.fix_ns: int | None = None
         """Of the newest valid fix."""
+        self.cadence = Cadence()
+        """Of the valid fixes, whichever receiver they come from."""
         self._plausibility = Plausibility()
         self._clock_steps = ClockSteps()
         self._velocity = FixVelocity()
@@ -122,7 +126,9 @@ class Intake:
         if not fix.valid or fix.lat_deg is None or fix.lon_deg is None:
             return ()
         self.fix_ns = fix.t_ns
-        parts = parts_of(self._with_velocity(fix, fix.lat_deg, fix.lon_deg))
+        self.cadence = self.cadence.noticed(fix.t_ns)
+        interval = FixInterval(fix.t_ns, self.cadence.usual_s)
+        parts = interval, *parts_of(self._with_velocity(fix, fix.lat_deg, fix.lon_deg))
         altitude = self._altitude(fix, source)
         return parts if altitude is None else (*parts, altitude)
 
