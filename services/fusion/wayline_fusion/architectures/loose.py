@@ -7,6 +7,7 @@ from typing import ClassVar
 from wayline.tuning import Tuning
 from wayline_fusion.aids.clock_jump import ClockJump
 from wayline_fusion.aids.course import Course
+from wayline_fusion.aids.displacement import Displacement
 from wayline_fusion.aids.gyro_restart import GyroRestart
 from wayline_fusion.aids.gyro_wander import GyroWander
 from wayline_fusion.aids.kept_pose import KeptPose
@@ -27,6 +28,7 @@ from wayline_fusion.intake.events import (
     Event,
     Fix,
     FixInterval,
+    FixTaken,
     GpsCourse,
     GpsPosition,
     GpsSpeed,
@@ -106,6 +108,7 @@ def aids() -> Mapping[type[Event], Aid]:
         GpsCourse: Course(allow_turn),
         GyroCheck: GyroWander(),
         GpsPosition: Position(allow_turn),
+        FixTaken: Displacement(),
         WheelSpeed: Wheels(allow_manoeuvre),
         Elapsed: Rest(),
         GyroRestarted: GyroRestart(),

@@ -38,6 +38,7 @@ class Snapshot(msgspec.Struct, frozen=True, gc=False):
 
     t_ns: int
     distance_m: float
+    reckoned_m: tuple[float, float]
     x: Floats
     P: Floats
     situation: Situation
@@ -80,6 +81,8 @@ class Estimate:
         """What is believed is believed of this instant; 0 before the first event."""
         self.distance_m = 0.0
         """Travelled since the start."""
+        self.reckoned_m = (0.0, 0.0)
+        """East and north since the start, by heading and speed alone: no position corrects it."""
         self.situation = Situation()
         self.learned = Learned()
         self.tuning = tuning
@@ -112,6 +115,7 @@ class Estimate:
         return Snapshot(
             self.t_ns,
             self.distance_m,
+            self.reckoned_m,
             kalman.x,
             kalman.P,
             self.situation,
@@ -122,6 +126,7 @@ class Estimate:
     def restore(self, snapshot: Snapshot) -> None:
         """Set everything back to a snapshot."""
         self.t_ns, self.distance_m = snapshot.t_ns, snapshot.distance_m
+        self.reckoned_m = snapshot.reckoned_m
         self.filter.x, self.filter.P = snapshot.x.copy(), snapshot.P.copy()
         self.situation, self.learned = snapshot.situation, snapshot.learned
         self._remind(snapshot.evidence)
@@ -225,6 +230,7 @@ class Estimate:
             return
         kalman, noise, standing = self.filter, self.driving_noise(), self.standing
         steps = -(-elapsed_ns // LONGEST_STEP_NS)
+        before_m = kalman.place_m
         from_ns = began_ns
         for step in range(1, steps + 1):
             to_ns = began_ns + elapsed_ns * step // steps
@@ -235,7 +241,11 @@ class Estimate:
             self.distance_m += 0.5 * abs(speed_mps + kalman.speed_mps) * dt_s
             from_ns = to_ns
         self.t_ns = t_ns
-        x = kalman.x
+        x, place_m = kalman.x, kalman.place_m
+        self.reckoned_m = (
+            self.reckoned_m[0] + place_m[0] - before_m[0],
+            self.reckoned_m[1] + place_m[1] - before_m[1],
+        )
         if math.hypot(x.item(States.EAST), x.item(States.NORTH)) >= RADIUS_M:
             self._move_plane()
 

@@ -156,14 +156,14 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
             position_mps2, heading = 0.0, 0.0
         else:
             position_mps2 = tuning.position_noise_m_per_sqrt_s**2
-            heading = noise.turn_rad_per_sqrt_s if gyro else self._turn_rad_per_sqrt_s()
+            heading = noise.turn_rad_per_sqrt_s if gyro else self.turn_rad_per_sqrt_s()
         variances[S.EAST] = variances[S.NORTH] = position_mps2 * dt_s
         variances[S.HEADING] = heading**2 * dt_s
         variances[S.GYRO_BIAS] = noise.bias_walk**2 * dt_s
         variances[S.GYRO_SCALE] = tuning.gyro_scale_walk_per_sqrt_s**2 * dt_s
         variances[S.ODOMETER_SCALE] = tuning.odometer_scale_walk_per_sqrt_s**2 * dt_s
 
-    def _turn_rad_per_sqrt_s(self) -> float:
+    def turn_rad_per_sqrt_s(self) -> float:
         """Without a gyro: by the way that is driven, by what a wheel can be turned by, and at
         speed by what passengers bear."""
         tuning, fastest_mps = self._tuning, max(abs(self.speed_mps) + self.speed_std_mps, 0.1)
@@ -333,6 +333,11 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.x = self.x.copy()
         self.x[S.EAST] = self.x[S.NORTH] = 0.0
         self.x[S.HEADING] += turn_rad
+
+    @property
+    def place_m(self) -> tuple[float, float]:
+        """East and north in the plane."""
+        return self.x.item(S.EAST), self.x.item(S.NORTH)
 
     @property
     def speed_mps(self) -> float:

@@ -43,7 +43,8 @@ class Fix(msgspec.Struct, frozen=True, gc=False):
     is_good: bool = True
     """By satellites and PDOP (papers/003)."""
     speed_derived: bool = False
-    """From positions, not by Doppler."""
+    """From positions, not by Doppler; the course too, unless it is told."""
+    course_told: bool = True
 
 
 class GpsSpeed(msgspec.Struct, frozen=True, gc=False):
@@ -55,13 +56,13 @@ class GpsSpeed(msgspec.Struct, frozen=True, gc=False):
 
 
 class GpsCourse(msgspec.Struct, frozen=True, gc=False):
-    """Course over ground of a fix, with the speed that it was measured at."""
+    """Course over ground of a fix, with the speed that it was measured at where that is told."""
 
     t_ns: int
     course_rad: float
     std_rad: float | None
     """None: from the speed's std."""
-    speed_mps: float
+    speed_mps: float | None
     speed_std_mps: float
 
 
@@ -79,6 +80,16 @@ class GpsPosition(msgspec.Struct, frozen=True, gc=False):
     lon_deg: float
     std_m: float
     is_good: bool = True
+
+
+class FixTaken(msgspec.Struct, frozen=True, gc=False):
+    """A position has been tried, and can be held against those before."""
+
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
+    std_m: float
+    tells_speed: bool
 
 
 class GpsAltitude(msgspec.Struct, frozen=True, gc=False):
@@ -123,6 +134,7 @@ Event = (
     | GpsCourse
     | GyroCheck
     | GpsPosition
+    | FixTaken
     | GpsAltitude
     | Pressure
     | GyroRestarted
@@ -133,15 +145,25 @@ Event = (
 def parts_of(fix: Fix) -> tuple[Event, ...]:
     """A fix and its parts in the order in which they are used.
 
-    Speed and course come first: walls that displace a position by metres leave Doppler alone.
+    Speed and course come first: walls that displace a position by metres leave Doppler alone. A
+    course without a speed comes last: where the fixes have moved tells whether it means anything.
     """
-    position = GpsPosition(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.position_std_m, fix.is_good)
-    if fix.speed_mps is None:
-        return fix, position
-    speed = GpsSpeed(fix.t_ns, fix.speed_mps, fix.speed_std_mps)
-    if fix.course_rad is None:
-        return fix, speed, position
-    course = GpsCourse(
-        fix.t_ns, fix.course_rad, fix.course_std_rad, fix.speed_mps, fix.speed_std_mps
+    t_ns, std_m = fix.t_ns, fix.position_std_m
+    tells_speed = fix.speed_mps is not None and not fix.speed_derived
+    place: tuple[Event, ...] = (
+        GpsPosition(t_ns, fix.lat_deg, fix.lon_deg, std_m, fix.is_good),
+        FixTaken(t_ns, fix.lat_deg, fix.lon_deg, std_m, tells_speed),
     )
-    return fix, speed, course, GyroCheck(fix.t_ns), position
+    if fix.speed_mps is None or not tells_speed:
+        return (fix, *place, *_course(fix, None))
+    speed = GpsSpeed(t_ns, fix.speed_mps, fix.speed_std_mps)
+    return (fix, speed, *_course(fix, fix.speed_mps), *place)
+
+
+def _course(fix: Fix, speed_mps: float | None) -> tuple[Event, ...]:
+    if fix.course_rad is None or not fix.course_told:
+        return ()
+    course = GpsCourse(
+        fix.t_ns, fix.course_rad, fix.course_std_rad, speed_mps, fix.speed_std_mps
+    )
+    return course, GyroCheck(fix.t_ns)

@@ -160,6 +160,7 @@ class Intake:
             None if course_std_deg is None else math.radians(course_std_deg),
             is_good=is_good(fix, self._tuning),
             speed_derived=fix.speed_derived or fix.speed_mps is None,
+            course_told=fix.course_deg is not None,
         )
 
 
