@@ -22,6 +22,8 @@ STD_MAX_RAD = math.radians(45.0)
 """A direction of long ago says no more of the heading of now."""
 ALIKE_SHARE = 0.5
 """A way that was reckoned half as long as the fixes have moved, or twice, is another one."""
+CRAWL_MPS = 1.0
+"""Slower, noise tells the direction."""
 STARTING_MPS = 1.0
 """Who stood between two fixes may just have driven off."""
 
@@ -75,10 +77,14 @@ class Displacement:
 
     def take(self, estimate: Estimate, fix: FixTaken) -> Outcome:
         """Set what is not known from the way since an earlier fix."""
-        if estimate.situation.accepted_fix_ns != fix.t_ns:
-            return UNUSED
-        here = Anchor(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.std_m, estimate.reckoned_m)
         anchor = self.evidence.anchor
+        if estimate.situation.accepted_fix_ns != fix.t_ns:
+            if anchor is not None and fix.t_ns - anchor.t_ns > _longest_s(estimate) * 1e9:
+                self.evidence = WayEvidence()
+            return UNUSED
+        if not estimate.wheels_fresh and not fix.tells_speed:
+            _face_forwards(estimate)
+        here = Anchor(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.std_m, estimate.reckoned_m)
         if anchor is None:
             self.evidence = WayEvidence(here)
             return UNUSED
@@ -147,6 +153,15 @@ def _std_rad(estimate: Estimate, moved: Moved) -> float:
     return math.hypot(noise_rad, unseen_rad)
 
 
+def _face_forwards(estimate: Estimate) -> None:
+    """Positions alone cannot tell a vehicle from one that goes backwards the other way."""
+    speed_mps = estimate.filter.x[States.WHEEL_SPEED]
+    if speed_mps < -CRAWL_MPS:
+        estimate.filter.mirror()
+    elif speed_mps < 0.0:
+        estimate.filter.reset_speed()
+
+
 def _set_speed(estimate: Estimate, moved: Moved) -> None:
     """Where nothing tells the speed: the mean one, unsure by what may have changed since."""
     tuning, kalman = estimate.tuning, estimate.filter
@@ -157,6 +172,7 @@ def _set_speed(estimate: Estimate, moved: Moved) -> None:
     # no speed is negative: a slow mean leaves little room for a fast end
     room_mps = moved.speed_mps + STARTING_MPS
     std_mps = math.hypot(moved.noise_m / moved.elapsed_s, min(changed_mps, room_mps))
-    if kalman.speed_std_mps > std_mps:
+    is_unknown = estimate.situation.way_unknown_ns == estimate.t_ns
+    if is_unknown or kalman.speed_std_mps > std_mps:
         scale = float(kalman.x[States.ODOMETER_SCALE])
         kalman.reset_wheel_speed(moved.speed_mps / scale, std_mps, is_over_ground=True)

@@ -13,6 +13,7 @@ from wayline.tuning import Tuning
 from wayline_fusion.filter import measurements
 from wayline_fusion.filter.estimate import Estimate, Turn
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
+from wayline_fusion.filter.horizontal import SPEED_UNKNOWN_MPS
 from wayline_fusion.filter.states import States
 from wayline_fusion.intake.events import GpsPosition
 
@@ -27,6 +28,10 @@ SAME_ERROR_RATIO = 0.7
 """Of two claimed stds; a satellite more or less changes them by less."""
 GUESSED_RATIO = 3.0
 """Of stds: a way that is known so much worse than the fix's white noise says nothing of it."""
+SHORTEST_S = 0.5
+"""Fixes may come faster; what they are off by then is noise."""
+DIRECTION_UNSURE_RAD = math.radians(60.0)
+"""Of a heading that was wrong for long."""
 RELOCK_DOUBT_SHARE = 0.5
 """Positions that have won against dead reckoning may still be the reflections."""
 AGREEING_M = 10.0
@@ -84,7 +89,7 @@ class Position:
         measurement = measurements.position(estimate.filter.x, *place_m, slow_std_m, white_std_m)
 
         def second_look(unlikely: Measurement) -> bool:
-            return self._allow_turn(estimate, unlikely)
+            return self._allow_turn(estimate, unlikely) or _allow_start(estimate, unlikely)
 
         weigh = partial(_weighed, white_m2) if _is_way_known(estimate, measurement) else None
         probability = self._probability(estimate, fix.t_ns)
@@ -127,6 +132,15 @@ class Position:
         self._accepted(estimate, fix.t_ns)
         return UNUSED
 
+    def _strayed_m(self, estimate: Estimate) -> float:
+        """How much less alike positions may be since the last was rejected, where a wrong heading
+        takes the reckoned way elsewhere than the true one."""
+        agreement = self.evidence.agreement
+        if agreement is None or (estimate.courses_told and estimate.gyro.covers(estimate.t_ns)):
+            return 0.0
+        way_s = (estimate.t_ns - agreement.last_ns) * 1e-9
+        return 2.0 * abs(estimate.filter.speed_mps) * way_s
+
     def _renew_error(self, estimate: Estimate, slow_std_m: float) -> None:
         """Other satellites, or a receiver that has settled, make another error."""
         before_m = self.evidence.slow_std_m
@@ -160,7 +174,8 @@ class Position:
         """Remember a rejected position; believe it when others have agreed for long enough."""
         situation, tuning = estimate.situation, estimate.tuning
         off_m = (float(outcome.off[0]), float(outcome.off[1]))
-        alike = partial(are_alike, max(AGREEING_M, AGREEING_STDS * fix.std_m))
+        within_m = max(AGREEING_M, AGREEING_STDS * fix.std_m)
+        alike = partial(are_alike, within_m + self._strayed_m(estimate))
         agreement = rejected(
             self.evidence.agreement, fix.t_ns, off_m, alike, estimate.rejected_forgotten_ns
         )
@@ -178,6 +193,8 @@ class Position:
             self._accepted(estimate, fix.t_ns)
         else:
             self._place(estimate, fix, place_m, RELOCK_DOUBT_SHARE * agreement.distance)
+            if not estimate.courses_told:
+                _doubt_direction(estimate)
 
 
 def patience_s(unaided_s: float, supported_s: float, tuning: Tuning, *, is_likely: bool) -> float:
@@ -197,6 +214,28 @@ def patience_s(unaided_s: float, supported_s: float, tuning: Tuning, *, is_likel
 def are_alike(within_m: float, before: Off, off: Off) -> bool:
     """Whether two positions are displaced alike."""
     return math.dist(before, off) <= within_m
+
+
+def _allow_start(estimate: Estimate, unlikely: Measurement) -> bool:
+    """Whether tyres can have brought the vehicle to an unlikely position, where neither receiver
+    nor wheels tell a speed: it has started, or stopped."""
+    accepted_ns = estimate.situation.accepted_fix_ns
+    if accepted_ns is None or estimate.wheels_fresh or estimate.speeds_told:
+        return False
+    over_s = max((estimate.t_ns - accepted_ns) * 1e-9, SHORTEST_S)
+    gained_mps = 2.0 * float(np.hypot(*unlikely.y)) / over_s
+    if gained_mps > estimate.tuning.acceleration_max_mps2 * over_s:
+        return False
+    estimate.filter.inflate_acceleration(gained_mps, over_s)
+    return True
+
+
+def _doubt_direction(estimate: Estimate) -> None:
+    """Positions have won against a heading that came from nothing else."""
+    kalman = estimate.filter
+    kalman.reset_std(States.HEADING, max(kalman.std(States.HEADING), DIRECTION_UNSURE_RAD))
+    if not estimate.wheels_fresh and not estimate.speeds_told:
+        kalman.reset_std(States.WHEEL_SPEED, SPEED_UNKNOWN_MPS)
 
 
 def _std_m(estimate: Estimate, fix: GpsPosition) -> float:

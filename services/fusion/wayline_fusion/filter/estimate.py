@@ -29,6 +29,8 @@ FORGOTTEN_INTERVALS = 3.0
 """Of a source's fixes."""
 UNSURE_HEADING_RAD = math.radians(20.0)
 """A way in a direction as unsure is off by more than derivatives say."""
+COURSE_HELD_S = 60.0
+"""A vehicle that stands for longer may have a course again, or not."""
 LONGEST_STEP_NS = 500_000_000
 SOUND_EVERY_NS = 1_000_000_000
 
@@ -155,11 +157,20 @@ class Estimate:
         return wheels_ns is not None and self.t_ns - wheels_ns <= WHEELS_FRESH_NS
 
     @property
-    def turns_unknown(self) -> bool:
-        """Whether no gyro tells of turns and the heading is unsure."""
-        if self.gyro.covers(self.t_ns):
+    def speeds_told(self) -> bool:
+        """Whether the receiver tells speeds that are believed."""
+        told_ns = self.situation.speed_accepted_ns
+        told_s = max(COURSE_HELD_S, FORGOTTEN_INTERVALS * self.situation.fix_interval_s)
+        return told_ns is not None and self.t_ns - told_ns <= told_s * 1e9
+
+    @property
+    def courses_told(self) -> bool:
+        """Whether courses hold the heading; otherwise nothing but the positions does."""
+        course = self.situation.course
+        if course is None:
             return False
-        return self.filter.std(States.HEADING) > UNSURE_HEADING_RAD
+        told_s = max(COURSE_HELD_S, FORGOTTEN_INTERVALS * self.situation.fix_interval_s)
+        return self.t_ns - course.t_ns <= told_s * 1e9
 
     @property
     def rejected_forgotten_ns(self) -> int:

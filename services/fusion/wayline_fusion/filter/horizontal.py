@@ -261,6 +261,14 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P[S.WHEEL_SPEED, :] = self.P[:, S.WHEEL_SPEED] = 0.0
         self.P[S.WHEEL_SPEED, S.WHEEL_SPEED] = self._tuning.acceleration_noise_mps_per_sqrt_s**2
 
+    def mirror(self) -> None:
+        """Turn the heading round and change the sign of the speed: the same motion, told forwards."""
+        sign = np.ones(SIZE)
+        sign[[S.WHEEL_SPEED, S.ACCELERATION]] = -1.0
+        self.x = sign * self.x
+        self.x[S.HEADING] = wrap_pi(float(self.x[S.HEADING]) + math.pi)
+        self.P = self.P * np.outer(sign, sign)
+
     def reset_wheel_speed(self, speed_mps: float, std_mps: float, *, is_over_ground: bool) -> None:
         """Set the wheel speed; one that was measured over ground is off by the wheels' scale."""
         self.x, self.P = self.x.copy(), self.P.copy()

@@ -30,6 +30,8 @@ class Situation(msgspec.Struct, frozen=True):
     accepted_fix_ns: int | None = None
     fix_interval_s: float = UNKNOWN_S
     """Between fixes, as their source usually tells them."""
+    way_unknown_ns: int | None = None
+    """Of the last fix before which the way there was given up."""
     speed_accepted_ns: int | None = None
     """Of the last speed of a fix that was believed."""
     course: TakenCourse | None = None
