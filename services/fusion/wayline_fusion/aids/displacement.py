@@ -6,7 +6,8 @@ from typing import NamedTuple
 import msgspec
 
 from wayline.geo import step_between, wrap_pi
-from wayline_fusion.filter.estimate import UNSURE_HEADING_RAD, Estimate
+from wayline_fusion.aids.alignment import is_reckoned
+from wayline_fusion.filter.estimate import UNSURE_HEADING_RAD, Estimate, Reckoned
 from wayline_fusion.filter.gate import UNUSED, Outcome
 from wayline_fusion.filter.states import States
 from wayline_fusion.intake.events import FixTaken
@@ -35,7 +36,7 @@ class Anchor(NamedTuple):
     lat_deg: float
     lon_deg: float
     std_m: float
-    reckoned_m: tuple[float, float]
+    reckoned: Reckoned
 
 
 class Moved(NamedTuple):
@@ -47,7 +48,9 @@ class Moved(NamedTuple):
     """Std of the distance, and across it."""
     elapsed_s: float
     reckoned_m: tuple[float, float]
-    """The same way as it was reckoned."""
+    """East and north in the frame of the reckoned way..."""
+    biased_s: float
+    """...and for how long the gyro's bias has bent it."""
 
     @property
     def speed_mps(self) -> float:
@@ -84,14 +87,14 @@ class Displacement:
             return UNUSED
         if not estimate.wheels_fresh and not fix.tells_speed:
             _face_forwards(estimate)
-        here = Anchor(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.std_m, estimate.reckoned_m)
+        here = Anchor(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.std_m, estimate.reckoned)
         if anchor is None:
             self.evidence = WayEvidence(here)
             return UNUSED
         moved = _moved(anchor, here)
         is_long = moved.distance_m >= max(SHORTEST_M, moved.noise_m / NOISE_MAX_RAD)
         is_over = moved.elapsed_s > _longest_s(estimate)
-        if is_long and self._turn(estimate, moved):
+        if is_long and not is_reckoned(estimate, fix) and self._turn(estimate, moved):
             is_over = True
         if (is_long or is_over) and not fix.tells_speed:
             _set_speed(estimate, moved)
@@ -116,8 +119,8 @@ class Displacement:
 def _moved(anchor: Anchor, here: Anchor) -> Moved:
     step = step_between(anchor.lat_deg, anchor.lon_deg, here.lat_deg, here.lon_deg)
     reckoned_m = (
-        here.reckoned_m[0] - anchor.reckoned_m[0],
-        here.reckoned_m[1] - anchor.reckoned_m[1],
+        here.reckoned.east_m - anchor.reckoned.east_m,
+        here.reckoned.north_m - anchor.reckoned.north_m,
     )
     return Moved(
         step.distance_m,
@@ -125,6 +128,7 @@ def _moved(anchor: Anchor, here: Anchor) -> Moved:
         math.hypot(anchor.std_m, here.std_m),
         (here.t_ns - anchor.t_ns) * 1e-9,
         reckoned_m,
+        here.reckoned.biased_s - anchor.reckoned.biased_s,
     )
 
 
@@ -135,9 +139,11 @@ def _longest_s(estimate: Estimate) -> float:
 def _heading_rad(estimate: Estimate, moved: Moved) -> float:
     """The heading, turned as the way is that was reckoned with it; without one, the way's."""
     east_m, north_m = moved.reckoned_m
-    reckoned_m, heading_rad = math.hypot(east_m, north_m), float(estimate.filter.x[States.HEADING])
+    reckoned_m, heading_rad = math.hypot(east_m, north_m), estimate.reckoned.heading_rad
     if ALIKE_SHARE * moved.distance_m <= reckoned_m <= moved.distance_m / ALIKE_SHARE:
-        return heading_rad + wrap_pi(moved.bearing_rad - math.atan2(east_m, north_m))
+        # the reckoned way bends by the gyro's bias; half of it is behind the way's middle
+        bent_rad = 0.5 * float(estimate.filter.x[States.GYRO_BIAS]) * moved.biased_s
+        return heading_rad - bent_rad + wrap_pi(moved.bearing_rad - math.atan2(east_m, north_m))
     backwards_rad = math.pi if estimate.filter.x[States.WHEEL_SPEED] < 0.0 else 0.0
     return moved.bearing_rad + backwards_rad
 

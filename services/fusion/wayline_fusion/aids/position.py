@@ -78,7 +78,8 @@ class Position:
         return self._try(estimate, fix, place_m)
 
     def _try(self, estimate: Estimate, fix: GpsPosition, place_m: tuple[float, float]) -> Outcome:
-        noise, std_m = estimate.learned.position_noise, _std_m(estimate, fix)
+        noise = estimate.learned.position_noise
+        std_m = estimate.learned.claim_factor * _std_m(estimate, fix)
         slow_std_m = estimate.filter.slow_std_m(std_m)
         claimed_m2 = std_m**2 - slow_std_m**2
         # where white noise is more than claimed, what is slow is too
@@ -127,7 +128,8 @@ class Position:
         doubt_m: float = 0.0,
     ) -> Outcome:
         """Set the position to a fix; `doubt_m` is what it may share with those that follow."""
-        estimate.filter.reset_position(*place_m, fix.std_m, doubt_m)
+        std_m = estimate.learned.claim_factor * fix.std_m
+        estimate.filter.reset_position(*place_m, std_m, doubt_m)
         estimate.know(placed_ns=fix.t_ns)
         self._accepted(estimate, fix.t_ns)
         return UNUSED

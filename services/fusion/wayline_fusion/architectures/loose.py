@@ -5,11 +5,13 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from wayline.tuning import Tuning
+from wayline_fusion.aids.alignment import Alignment
 from wayline_fusion.aids.clock_jump import ClockJump
 from wayline_fusion.aids.course import Course
 from wayline_fusion.aids.displacement import Displacement
 from wayline_fusion.aids.gyro_restart import GyroRestart
 from wayline_fusion.aids.gyro_wander import GyroWander
+from wayline_fusion.aids.in_turn import InTurn
 from wayline_fusion.aids.kept_pose import KeptPose
 from wayline_fusion.aids.long_way import LongWay
 from wayline_fusion.aids.manoeuvre import allow_manoeuvre
@@ -108,7 +110,7 @@ def aids() -> Mapping[type[Event], Aid]:
         GpsCourse: Course(allow_turn),
         GyroCheck: GyroWander(),
         GpsPosition: Position(allow_turn),
-        FixTaken: Displacement(),
+        FixTaken: InTurn(Alignment(), Displacement()),
         WheelSpeed: Wheels(allow_manoeuvre),
         Elapsed: Rest(),
         GyroRestarted: GyroRestart(),

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import msgspec
 
@@ -29,10 +29,36 @@ FORGOTTEN_INTERVALS = 3.0
 """Of a source's fixes."""
 UNSURE_HEADING_RAD = math.radians(20.0)
 """A way in a direction as unsure is off by more than derivatives say."""
+REFLECTED_S = 30.0
+"""What fixes are off by more than they claim are reflections, which change along the street."""
 COURSE_HELD_S = 60.0
 """A vehicle that stands for longer may have a course again, or not."""
 LONGEST_STEP_NS = 500_000_000
 SOUND_EVERY_NS = 1_000_000_000
+
+
+class Reckoned(NamedTuple):
+    """A way in a frame of its own, by what gyro and speed say; without a gyro it goes straight on.
+
+    The gyro's bias is left in it, so that a better one may be taken off all of it later.
+    """
+
+    east_m: float
+    north_m: float
+    heading_rad: float
+    """Clockwise from the frame's north."""
+    biased_s: float
+    """For how long the gyro's bias has turned it."""
+
+    def gone_on(self, rolled_m: float, turned_rad: float, biased_s: float) -> "Reckoned":
+        """So far, negative backwards, and turned clockwise meanwhile."""
+        middle_rad = self.heading_rad + 0.5 * turned_rad
+        return Reckoned(
+            self.east_m + rolled_m * math.sin(middle_rad),
+            self.north_m + rolled_m * math.cos(middle_rad),
+            self.heading_rad + turned_rad,
+            self.biased_s + biased_s,
+        )
 
 
 class Snapshot(msgspec.Struct, frozen=True, gc=False):
@@ -40,7 +66,7 @@ class Snapshot(msgspec.Struct, frozen=True, gc=False):
 
     t_ns: int
     distance_m: float
-    reckoned_m: tuple[float, float]
+    reckoned: Reckoned
     x: Floats
     P: Floats
     situation: Situation
@@ -83,8 +109,8 @@ class Estimate:
         """What is believed is believed of this instant; 0 before the first event."""
         self.distance_m = 0.0
         """Travelled since the start."""
-        self.reckoned_m = (0.0, 0.0)
-        """East and north since the start, by heading and speed alone: no position corrects it."""
+        self.reckoned = Reckoned(0.0, 0.0, 0.0, 0.0)
+        """The way since the start by turns and speed: no fix moves or turns it."""
         self.situation = Situation()
         self.learned = Learned()
         self.tuning = tuning
@@ -117,7 +143,7 @@ class Estimate:
         return Snapshot(
             self.t_ns,
             self.distance_m,
-            self.reckoned_m,
+            self.reckoned,
             kalman.x,
             kalman.P,
             self.situation,
@@ -128,7 +154,7 @@ class Estimate:
     def restore(self, snapshot: Snapshot) -> None:
         """Set everything back to a snapshot."""
         self.t_ns, self.distance_m = snapshot.t_ns, snapshot.distance_m
-        self.reckoned_m = snapshot.reckoned_m
+        self.reckoned = snapshot.reckoned
         self.filter.x, self.filter.P = snapshot.x.copy(), snapshot.P.copy()
         self.situation, self.learned = snapshot.situation, snapshot.learned
         self._remind(snapshot.evidence)
@@ -208,6 +234,7 @@ class Estimate:
                 self._turn_noise, self.gyro_rounding_radps * math.sqrt(ROUNDING_CORRELATION_S)
             ),
             self._bias_walk * self.learned.wander.multiple,
+            max(self.tuning.gps_error_time_s / self.learned.claim_factor, REFLECTED_S),
         )
 
     def correct(self, measurement: Measurement) -> None:
@@ -241,7 +268,6 @@ class Estimate:
             return
         kalman, noise, standing = self.filter, self.driving_noise(), self.standing
         steps = -(-elapsed_ns // LONGEST_STEP_NS)
-        before_m = kalman.place_m
         from_ns = began_ns
         for step in range(1, steps + 1):
             to_ns = began_ns + elapsed_ns * step // steps
@@ -249,14 +275,16 @@ class Estimate:
             turn_rad = self.gyro.turned_rad(from_ns, to_ns)
             speed_mps = kalman.speed_mps
             kalman.advance(dt_s, turn_rad, noise, standing=standing)
-            self.distance_m += 0.5 * abs(speed_mps + kalman.speed_mps) * dt_s
+            rolled_m = 0.5 * (speed_mps + kalman.speed_mps) * dt_s
+            self.distance_m += abs(rolled_m)
+            if turn_rad is None or standing:
+                self.reckoned = self.reckoned.gone_on(rolled_m, 0.0, 0.0)
+            else:
+                turned_rad = kalman.x.item(States.GYRO_SCALE) * turn_rad
+                self.reckoned = self.reckoned.gone_on(rolled_m, turned_rad, dt_s)
             from_ns = to_ns
         self.t_ns = t_ns
-        x, place_m = kalman.x, kalman.place_m
-        self.reckoned_m = (
-            self.reckoned_m[0] + place_m[0] - before_m[0],
-            self.reckoned_m[1] + place_m[1] - before_m[1],
-        )
+        x = kalman.x
         if math.hypot(x.item(States.EAST), x.item(States.NORTH)) >= RADIUS_M:
             self._move_plane()
 

@@ -27,6 +27,7 @@ S = States
 
 OF_MOTION = (S.EAST, S.NORTH, S.HEADING, S.WHEEL_SPEED, S.ACCELERATION, S.GPS_EAST, S.GPS_NORTH)
 """All but the sensors' calibration."""
+OF_RECKONING = (S.EAST, S.NORTH, S.HEADING, S.GYRO_BIAS)
 SPEED_UNKNOWN_MPS = 40.0
 """Std of a speed that may be any."""
 SCALE_UNKNOWN = 0.2
@@ -45,6 +46,8 @@ class DrivingNoise(NamedTuple):
     turn_rad_per_sqrt_s: float
     bias_walk: float
     """Of the gyro bias, rad/s per root s."""
+    fix_error_time_s: float
+    """For so long fixes are wrong alike."""
 
 
 class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
@@ -115,7 +118,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         F[S.EAST, S.ACCELERATION] = by_acceleration * sin
         F[S.NORTH, S.ACCELERATION] = by_acceleration * cos
         F[S.WHEEL_SPEED, S.ACCELERATION], F[S.ACCELERATION, S.ACCELERATION] = gain_s, lasting
-        kept = math.exp(-dt_s / self._tuning.gps_error_time_s)
+        kept = math.exp(-dt_s / noise.fix_error_time_s)
         F[S.GPS_EAST, S.GPS_EAST] = F[S.GPS_NORTH, S.GPS_NORTH] = kept
         self.Q[S.GPS_EAST, S.GPS_EAST] = self.Q[S.GPS_NORTH, S.GPS_NORTH] = 1.0 - kept**2
         self._set_noise(dt_s, noise, gyro=turn_rad is not None, standing=standing)
@@ -245,6 +248,17 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P[S.HEADING, :] = self.P[:, S.HEADING] = 0.0
         self.P[S.HEADING, S.HEADING] = std_rad**2
 
+    def reset_reckoning(
+        self, values: tuple[float, float, float, float], covariance: Floats
+    ) -> None:
+        """Set east, north, heading and gyro bias, forgetting what they were."""
+        self.x, self.P = self.x.copy(), self.P.copy()
+        for state, value in zip(OF_RECKONING, values, strict=True):
+            self.x[state] = value
+            self.P[state, :] = self.P[:, state] = 0.0
+        self.x[S.HEADING] = wrap_pi(self.x.item(S.HEADING))
+        self.P[np.ix_(OF_RECKONING, OF_RECKONING)] = covariance
+
     def reset_motion(self) -> None:
         """Forget position, heading, speed and the fixes' error; keep the sensors' calibration."""
         self.x, self.P = self.x.copy(), self.P.copy()
@@ -341,11 +355,6 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.x = self.x.copy()
         self.x[S.EAST] = self.x[S.NORTH] = 0.0
         self.x[S.HEADING] += turn_rad
-
-    @property
-    def place_m(self) -> tuple[float, float]:
-        """East and north in the plane."""
-        return self.x.item(S.EAST), self.x.item(S.NORTH)
 
     @property
     def speed_mps(self) -> float:

@@ -1,0 +1,117 @@
+"""Pure: fixes of a receiver without courses, held against the way that gyro and wheels tell."""
+
+import math
+
+import msgspec
+
+from wayline.geo import LocalPlane, wrap_pi
+from wayline_fusion.evidence.track_fit import Fit, Seen, Track
+from wayline_fusion.filter.estimate import Estimate
+from wayline_fusion.filter.gate import UNUSED, Outcome
+from wayline_fusion.filter.states import States
+from wayline_fusion.intake.events import FixTaken
+
+APART_STDS = 3.0
+"""A heading as far from the fit's is wrong."""
+OFTEN_S = 5.0
+"""Fixes that come more seldom are too few for a shape."""
+SCATTER_MIN = 1.5
+"""Times the claimed std; less may be chance, so few of the fixes are wrong each in its own way."""
+LYING = 2.5
+"""Times the claimed std: from there on the fit is the estimate, until fixes were better once."""
+PROVED_TOLD = 2.0
+"""Independent fixes that say so."""
+NOISE_SEEN_MIN = 8
+"""Fixes; of fewer the scatter says little."""
+
+
+class AlignmentEvidence(msgspec.Struct, frozen=True):
+    """What earlier fixes have shown."""
+
+    plane: LocalPlane | None = None
+    """In which the track is kept; the vehicle's own moves along with it."""
+    track: Track = Track()
+    is_proved: bool = False
+    """Fixes have once been worth what they claim."""
+
+
+class Alignment:
+    """The heading, and what the fixes are worth, by the shape of the way.
+
+    Starts: with gyro and a speed beside fixes that tell no courses. Goes on: each fix is laid over
+    the reckoned way; a good fit sets a heading that is not known, and what scatters about the way
+    more than is claimed makes fixes count for as much less. Stops: courses are believed, or gyro or
+    speed are missing. Resets: a heading three stds off the fit's is set to it, with the place.
+    """
+
+    def __init__(self) -> None:
+        self.evidence = AlignmentEvidence()
+
+    def take(self, estimate: Estimate, fix: FixTaken) -> Outcome:
+        """Remember a fix, believed or not, and use what it makes of the fit."""
+        if not is_reckoned(estimate, fix):
+            self.evidence = AlignmentEvidence()
+            estimate.learn(claim_factor=1.0)
+            return UNUSED
+        plane = self.evidence.plane or LocalPlane(fix.lat_deg, fix.lon_deg)
+        reckoned = estimate.reckoned
+        seen = Seen(
+            fix.t_ns,
+            complex(*plane.to_plane(fix.lat_deg, fix.lon_deg)),
+            complex(reckoned.east_m, reckoned.north_m),
+            reckoned.biased_s,
+        )
+        before = self.evidence
+        track = before.track.with_fix(seen)
+        self.evidence = AlignmentEvidence(plane, track, is_proved=before.is_proved)
+        if track is before.track and self._is_left_alone(estimate):
+            return UNUSED
+        bias_radps = float(estimate.filter.x[States.GYRO_BIAS])
+        fit = track.fit(seen, fix.std_m, bias_radps, estimate.filter.std(States.GYRO_BIAS))
+        if fit is None:
+            return UNUSED
+        if fit.seen >= NOISE_SEEN_MIN:
+            self._claim(estimate, fit, fix)
+        self._align(estimate, fix, fit, plane)
+        return UNUSED
+
+    def _is_left_alone(self, estimate: Estimate) -> bool:
+        """Whether the filter is on its way: it knows its heading, by fixes that are worth it."""
+        lies = estimate.learned.claim_factor >= LYING and not self.evidence.is_proved
+        return estimate.situation.heading_known and not lies
+
+    def _claim(self, estimate: Estimate, fit: Fit, fix: FixTaken) -> None:
+        """Let fixes count for so much less as they scatter."""
+        scatter = fit.noise_m / fix.std_m
+        factor = scatter if scatter > SCATTER_MIN else 1.0
+        estimate.learn(claim_factor=factor)
+        if factor < LYING and fit.told >= PROVED_TOLD:
+            self.evidence = msgspec.structs.replace(self.evidence, is_proved=True)
+
+    def _align(self, estimate: Estimate, fix: FixTaken, fit: Fit, plane: LocalPlane) -> None:
+        """Set place and heading where they are not known, or not what the fit says."""
+        kalman, situation = estimate.filter, estimate.situation
+        heading_rad = estimate.reckoned.heading_rad + fit.turn_rad
+        is_sure = fit.turn_std_rad <= math.radians(estimate.tuning.heading_start_std_deg)
+        if self._is_left_alone(estimate):
+            off_rad = abs(wrap_pi(heading_rad - float(kalman.x[States.HEADING])))
+            expected_rad = math.hypot(kalman.std(States.HEADING), fit.turn_std_rad)
+            if off_rad <= APART_STDS * expected_rad or not is_sure:
+                return
+        if situation.plane is None or (fit.seen < NOISE_SEEN_MIN and not is_sure):
+            return
+        lat_deg, lon_deg = plane.to_geodetic(fit.place_m.real, fit.place_m.imag)
+        place_m = situation.plane.to_plane(lat_deg, lon_deg)
+        kalman.reset_position(*place_m, max(fit.noise_m, fix.std_m))
+        estimate.know(placed_ns=fix.t_ns, accepted_fix_ns=fix.t_ns)
+        if is_sure:
+            kalman.reset_reckoning((*place_m, heading_rad, fit.bias_radps), fit.covariance)
+            estimate.know(heading_known=True)
+
+
+def is_reckoned(estimate: Estimate, fix: FixTaken) -> bool:
+    """Whether the way from fix to fix is told by gyro and speed, and by no courses."""
+    if estimate.courses_told or estimate.situation.fix_interval_s > OFTEN_S:
+        return False
+    has_speed = estimate.wheels_fresh or fix.tells_speed
+    return has_speed and estimate.gyro.covers(fix.t_ns)
