@@ -132,8 +132,7 @@ def _learn_doppler(
 
 
 def _timed(estimate: Estimate, course: GpsCourse) -> GpsCourse:
-    """A course that is told without a speed: of a vehicle that is believed to move, and as old as
-    a tracker's last turn may be."""
+    """A course that is told without a speed, with the one believed; a tracker's may be old."""
     if course.speed_mps is not None:
         return course
     std_rad = max(course.std_rad or 0.0, UNTIMED_STD_RAD)
@@ -141,9 +140,7 @@ def _timed(estimate: Estimate, course: GpsCourse) -> GpsCourse:
     return GpsCourse(course.t_ns, course.course_rad, std_rad, speed_mps, course.speed_std_mps)
 
 
-def _std_rad(
-    estimate: Estimate, course: GpsCourse, speed_mps: float, rate_radps: float
-) -> float:
+def _std_rad(estimate: Estimate, course: GpsCourse, speed_mps: float, rate_radps: float) -> float:
     """Doppler across the direction of travel, mounting, and what turning adds."""
     tuning = estimate.tuning
     noise = math.sqrt(estimate.learned.doppler_noise.factor)

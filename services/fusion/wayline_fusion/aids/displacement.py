@@ -106,9 +106,9 @@ class Displacement:
         """Whether the heading was set: it was not as sure as the direction of the way is."""
         kalman, is_known = estimate.filter, estimate.situation.heading_known
         std_rad = _std_rad(estimate, moved)
-        is_better = not is_known or (
-            kalman.std(States.HEADING) > max(std_rad, UNSURE_HEADING_RAD)
-        )
+        known_rad = kalman.std(States.HEADING)
+        is_unsure = known_rad > UNSURE_HEADING_RAD or _is_way_unknown(estimate)
+        is_better = not is_known or (is_unsure and known_rad > std_rad)
         if std_rad > STD_MAX_RAD or not is_better:
             return False
         kalman.reset_heading(_heading_rad(estimate, moved), std_rad)
@@ -159,6 +159,11 @@ def _std_rad(estimate: Estimate, moved: Moved) -> float:
     return math.hypot(noise_rad, unseen_rad)
 
 
+def _is_way_unknown(estimate: Estimate) -> bool:
+    """Whether the position of this fix has told nothing of heading and speed."""
+    return estimate.situation.way_unknown_ns == estimate.t_ns
+
+
 def _face_forwards(estimate: Estimate) -> None:
     """Positions alone cannot tell a vehicle from one that goes backwards the other way."""
     speed_mps = estimate.filter.x[States.WHEEL_SPEED]
@@ -178,7 +183,6 @@ def _set_speed(estimate: Estimate, moved: Moved) -> None:
     # no speed is negative: a slow mean leaves little room for a fast end
     room_mps = moved.speed_mps + STARTING_MPS
     std_mps = math.hypot(moved.noise_m / moved.elapsed_s, min(changed_mps, room_mps))
-    is_unknown = estimate.situation.way_unknown_ns == estimate.t_ns
-    if is_unknown or kalman.speed_std_mps > std_mps:
+    if _is_way_unknown(estimate) or kalman.speed_std_mps > std_mps:
         scale = float(kalman.x[States.ODOMETER_SCALE])
         kalman.reset_wheel_speed(moved.speed_mps / scale, std_mps, is_over_ground=True)

@@ -1,6 +1,6 @@
 """Pure: fixes so far apart that the way between them is not known."""
 
-from wayline_fusion.filter.estimate import UNSURE_HEADING_RAD, Estimate
+from wayline_fusion.filter.estimate import Estimate
 from wayline_fusion.filter.gate import UNUSED, Outcome
 from wayline_fusion.filter.states import States
 from wayline_fusion.intake.events import FixInterval
@@ -36,5 +36,5 @@ def _is_way_unknown(estimate: Estimate, t_ns: int) -> bool:
         return False
     kalman = estimate.filter
     fastest_mps = abs(kalman.speed_mps) + kalman.speed_std_mps
-    way_m, heading_std_rad = fastest_mps * (t_ns - accepted_ns) * 1e-9, kalman.std(States.HEADING)
-    return heading_std_rad > UNSURE_HEADING_RAD and way_m * heading_std_rad**2 > BENT_M
+    way_m = fastest_mps * (t_ns - accepted_ns) * 1e-9
+    return way_m * kalman.std(States.HEADING) ** 2 > BENT_M

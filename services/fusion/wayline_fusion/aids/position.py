@@ -11,7 +11,7 @@ from wayline.geo import LocalPlane
 from wayline.likelihood import Floats, Measurement, threshold, weighed
 from wayline.tuning import Tuning
 from wayline_fusion.filter import measurements
-from wayline_fusion.filter.estimate import Estimate, Turn
+from wayline_fusion.filter.estimate import Estimate, Unseen
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
 from wayline_fusion.filter.horizontal import SPEED_UNKNOWN_MPS
 from wayline_fusion.filter.states import States
@@ -28,8 +28,6 @@ SAME_ERROR_RATIO = 0.7
 """Of two claimed stds; a satellite more or less changes them by less."""
 GUESSED_RATIO = 3.0
 """Of stds: a way that is known so much worse than the fix's white noise says nothing of it."""
-SHORTEST_S = 0.5
-"""Fixes may come faster; what they are off by then is noise."""
 DIRECTION_UNSURE_RAD = math.radians(60.0)
 """Of a heading that was wrong for long."""
 RELOCK_DOUBT_SHARE = 0.5
@@ -62,9 +60,9 @@ class Position:
     during which dead reckoning is good to metres; after a long outage it is the one to doubt.
     """
 
-    def __init__(self, turn: Turn) -> None:
+    def __init__(self, unseen: Unseen) -> None:
         self.evidence = PositionEvidence()
-        self._turn = turn
+        self._unseen = unseen
 
     def take(self, estimate: Estimate, fix: GpsPosition) -> Outcome:
         """Correct with a position; where dead reckoning is not possible yet, start from it."""
@@ -90,7 +88,7 @@ class Position:
         measurement = measurements.position(estimate.filter.x, *place_m, slow_std_m, white_std_m)
 
         def second_look(unlikely: Measurement) -> bool:
-            return self._allow_turn(estimate, unlikely) or _allow_start(estimate, unlikely)
+            return self._unseen(estimate, unlikely)
 
         weigh = partial(_weighed, white_m2) if _is_way_known(estimate, measurement) else None
         probability = self._probability(estimate, fix.t_ns)
@@ -106,15 +104,6 @@ class Position:
         )
         self._accepted(estimate, fix.t_ns)
         return outcome
-
-    def _allow_turn(self, estimate: Estimate, unlikely: Measurement) -> bool:
-        """Whether an unlikely position is doubted away: the vehicle may have turned unseen."""
-        accepted_ns = estimate.situation.accepted_fix_ns
-        if accepted_ns is None or self.evidence.agreement is not None:
-            return False
-        way_m = abs(estimate.filter.speed_mps) * (estimate.t_ns - accepted_ns) * 1e-9
-        turned_rad = 2.0 * math.atan2(float(np.hypot(*unlikely.y)), max(way_m, 1.0))
-        return self._turn(estimate, turned_rad, abs(estimate.filter.speed_mps), accepted_ns)
 
     def _accepted(self, estimate: Estimate, t_ns: int) -> None:
         estimate.know(accepted_fix_ns=t_ns)
@@ -135,8 +124,10 @@ class Position:
         return UNUSED
 
     def _strayed_m(self, estimate: Estimate) -> float:
-        """How much less alike positions may be since the last was rejected, where a wrong heading
-        takes the reckoned way elsewhere than the true one."""
+        """How much less alike rejected positions may be where the heading may be wrong.
+
+        A wrong one takes the reckoned way elsewhere than the true one.
+        """
         agreement = self.evidence.agreement
         if agreement is None or (estimate.courses_told and estimate.gyro.covers(estimate.t_ns)):
             return 0.0
@@ -218,20 +209,6 @@ def are_alike(within_m: float, before: Off, off: Off) -> bool:
     return math.dist(before, off) <= within_m
 
 
-def _allow_start(estimate: Estimate, unlikely: Measurement) -> bool:
-    """Whether tyres can have brought the vehicle to an unlikely position, where neither receiver
-    nor wheels tell a speed: it has started, or stopped."""
-    accepted_ns = estimate.situation.accepted_fix_ns
-    if accepted_ns is None or estimate.wheels_fresh or estimate.speeds_told:
-        return False
-    over_s = max((estimate.t_ns - accepted_ns) * 1e-9, SHORTEST_S)
-    gained_mps = 2.0 * float(np.hypot(*unlikely.y)) / over_s
-    if gained_mps > estimate.tuning.acceleration_max_mps2 * over_s:
-        return False
-    estimate.filter.inflate_acceleration(gained_mps, over_s)
-    return True
-
-
 def _doubt_direction(estimate: Estimate) -> None:
     """Positions have won against a heading that came from nothing else."""
     kalman = estimate.filter
@@ -241,8 +218,11 @@ def _doubt_direction(estimate: Estimate) -> None:
 
 
 def _std_m(estimate: Estimate, fix: GpsPosition) -> float:
-    """A bad fix is all but ignored (papers/003) for dead reckoning's sake, as long as that is any
-    better than what the fix's own dilution says of it."""
+    """Of a fix as it is to count, before its noise was learned.
+
+    A bad fix is all but ignored (papers/003) for dead reckoning's sake, as long as that is any
+    better than what the fix's own dilution says of it.
+    """
     if fix.is_good or estimate.gyro.covers(fix.t_ns):
         return fix.std_m
     own_std_m = fix.std_m / estimate.tuning.bad_gps_factor

@@ -18,7 +18,7 @@ from wayline_fusion.aids.manoeuvre import allow_manoeuvre
 from wayline_fusion.aids.position import Position
 from wayline_fusion.aids.rest import Rest
 from wayline_fusion.aids.speed import Speed
-from wayline_fusion.aids.turn import allow_turn
+from wayline_fusion.aids.unseen import allow_turn, allow_unseen
 from wayline_fusion.aids.wheels import Wheels
 from wayline_fusion.architectures.architecture import Motion, SensorErrors
 from wayline_fusion.filter.estimate import Aid, Estimate
@@ -109,7 +109,7 @@ def aids() -> Mapping[type[Event], Aid]:
         GpsSpeed: Speed(allow_manoeuvre),
         GpsCourse: Course(allow_turn),
         GyroCheck: GyroWander(),
-        GpsPosition: Position(allow_turn),
+        GpsPosition: Position(allow_unseen),
         FixTaken: InTurn(Alignment(), Displacement()),
         WheelSpeed: Wheels(allow_manoeuvre),
         Elapsed: Rest(),

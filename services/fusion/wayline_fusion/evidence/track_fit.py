@@ -82,9 +82,10 @@ class Track(msgspec.Struct, frozen=True):
     def fit(
         self, now: Seen, claimed_m: float, bias_radps: float, bias_std_radps: float
     ) -> Fit | None:
-        """The rigid motion, with the vehicle `now`, its noise `claimed_m` at least; None of too few.
+        """The rigid motion, with the vehicle `now`; None of too few.
 
-        The bias, clockwise, and its std are what is known of the gyro now.
+        The noise counts as `claimed_m` at least. The bias, clockwise, and its std are what is known
+        of the gyro now.
         """
         if len(self.seen) < FITTED_MIN:
             return None

@@ -93,6 +93,8 @@ Manoeuvre = Callable[["Estimate", Measurement, int, int | None], bool]
 """Whether an unlikely speed at an instant can have become of one believed at an earlier instant."""
 
 
+Unseen = Callable[["Estimate", Measurement], bool]
+"""Whether motion that no sensor tells can have led to an unlikely position."""
 Turn = Callable[["Estimate", float, float, int | None], bool]
 """Whether a vehicle at a speed (m/s) can have turned so far (rad) since an earlier instant."""
 
@@ -201,7 +203,9 @@ class Estimate:
     @property
     def rejected_forgotten_ns(self) -> int:
         """A rejected part of a fix tells nothing of one that comes so much later."""
-        return max(FORGOTTEN_AFTER_NS, round(FORGOTTEN_INTERVALS * self.situation.fix_interval_s * 1e9))
+        return max(
+            FORGOTTEN_AFTER_NS, round(FORGOTTEN_INTERVALS * self.situation.fix_interval_s * 1e9)
+        )
 
     @property
     def located(self) -> bool:

@@ -167,8 +167,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         variances[S.ODOMETER_SCALE] = tuning.odometer_scale_walk_per_sqrt_s**2 * dt_s
 
     def turn_rad_per_sqrt_s(self) -> float:
-        """Without a gyro: by the way that is driven, by what a wheel can be turned by, and at
-        speed by what passengers bear."""
+        """Without a gyro: what steering and the way allow, and at speed what passengers bear."""
         tuning, fastest_mps = self._tuning, max(abs(self.speed_mps) + self.speed_std_mps, 0.1)
         slow = min(math.radians(tuning.turn_noise_deg_per_sqrt_s), fastest_mps / TURNING_RADIUS_M)
         return min(slow, tuning.lateral_acceleration_std_mps2 / fastest_mps)
@@ -276,7 +275,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P[S.WHEEL_SPEED, S.WHEEL_SPEED] = self._tuning.acceleration_noise_mps_per_sqrt_s**2
 
     def mirror(self) -> None:
-        """Turn the heading round and change the sign of the speed: the same motion, told forwards."""
+        """Turn the heading round and change the speed's sign: the same motion, told forwards."""
         sign = np.ones(SIZE)
         sign[[S.WHEEL_SPEED, S.ACCELERATION]] = -1.0
         self.x = sign * self.x
@@ -342,8 +341,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P = self.P + np.outer(made, made)
 
     def inflate_arc(self, turned_rad: float, over_s: float) -> None:
-        """Doubt the position: a turn at an even rate has made an arc of a way that was reckoned
-        straight.
+        """Doubt the position: an even turn has made an arc of a way that was reckoned straight.
 
         An arc is shorter than its tangent: sin(a) / a = 1 - a^2 / 6 + ...
         """

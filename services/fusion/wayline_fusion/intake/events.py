@@ -163,7 +163,5 @@ def parts_of(fix: Fix) -> tuple[Event, ...]:
 def _course(fix: Fix, speed_mps: float | None) -> tuple[Event, ...]:
     if fix.course_rad is None or not fix.course_told:
         return ()
-    course = GpsCourse(
-        fix.t_ns, fix.course_rad, fix.course_std_rad, speed_mps, fix.speed_std_mps
-    )
+    course = GpsCourse(fix.t_ns, fix.course_rad, fix.course_std_rad, speed_mps, fix.speed_std_mps)
     return course, GyroCheck(fix.t_ns)
