@@ -99,22 +99,23 @@ def test_fixes_that_come_seldom_are_all_believed(
     assert max(error_m(pose, truths) for pose in at_fixes[1:]) < 15.0
 
 
-def test_poses_go_on_between_fixes_once_a_second_and_say_how_sure_they_are() -> None:
-    truths, messages = driven(town, 899.0)
-    _, poses = fused(thinned(messages, 30))
+@pytest.mark.parametrize("every_s", [15, 30, 60])
+def test_poses_go_on_between_fixes_once_a_second_and_say_how_sure_they_are(every_s: int) -> None:
+    truths, messages = driven(stop_and_go, 899.0)
+    _, poses = fused(thinned(messages, every_s))
     located = [pose for pose in poses if pose.mode != "starting"]
-    assert len(located) > 800
+    assert len(located) > 750
     honest = [
         error_m(pose, truths) <= 2.0 * math.hypot(pose.east_std_m or 0.0, pose.north_std_m or 0.0)
         for pose in located
     ]
-    assert sum(honest) / len(honest) > 0.9
+    assert sum(honest) / len(honest) > 0.85
     assert {pose.mode for pose in located} == {"gps"}
 
 
 def test_a_fix_that_is_missing_is_told_by_the_source_s_own_interval() -> None:
     _, messages = driven(straight, 400.0)
-    told = [message for message in thinned(messages, 30) if seconds_of(message.t_ns) <= 240.0]
+    told = [message for message in thinned(messages, 30) if seconds_of(message.t_ns) < 241.0]
     told.append(fix(400.0, 57.0, 10.0))
     _, poses = fused(told)
     modes = {round(seconds_of(pose.t_ns)): pose.mode for pose in poses}
@@ -162,7 +163,7 @@ def test_a_report_s_heading_counts_where_it_has_moved() -> None:
 def test_a_speed_without_a_course_gets_a_heading_after_two_hundred_metres(*, can: bool) -> None:
     truths, messages = driven(winding, 300.0)
     out, poses = fused(thinned(messages, 1, ["course_deg"], can=can))
-    assert refused(out) == []
+    assert longest(refused(out)) <= 5
     later = [pose for pose in poses if truth_at(pose.t_ns, truths).path_m > 200.0]
     assert all(pose.mode != "starting" for pose in later)
     assert sorted(heading_error_deg(pose, truths) for pose in later)[len(later) * 95 // 100] < 10.0

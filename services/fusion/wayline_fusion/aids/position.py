@@ -235,6 +235,9 @@ def _is_way_known(estimate: Estimate, measurement: Measurement) -> bool:
     """Whether dead reckoning tells more than the fix does; a way without a gyro is guessed."""
     if estimate.gyro.covers(estimate.t_ns):
         return True
+    if estimate.speeds_told and not estimate.courses_told:
+        # what makes a position unlikely is then a turn
+        return False
     predicted_m2 = float(np.trace(estimate.filter.expected(measurement)))
     return predicted_m2 <= GUESSED_RATIO**2 * float(np.trace(measurement.R))
 
