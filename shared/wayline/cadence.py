@@ -24,4 +24,4 @@ class Cadence(msgspec.Struct, frozen=True, gc=False):
             return self
         intervals_ns = (*self.intervals_ns, t_ns - self.last_ns)[-REMEMBERED:]
         usual_ns = sorted(intervals_ns)[(len(intervals_ns) - 1) // 2]
-        return Cadence(t_ns, intervals_ns, usual_ns * 1e-9)
+        return Cadence(t_ns, intervals_ns, usual_ns / 1e9)

@@ -78,6 +78,9 @@ class FusionCore:
             restarted = self._keeper.take_temperature(gyro.t_ns, gyro.temperature_c)
             if restarted is not None:
                 self._add(restarted)
+            warmed = self._intake.warmed(gyro)
+            if warmed is not None:
+                self._add(warmed)
         rate = self._intake.rate(gyro)
         if rate is not None:
             self._estimator.take_gyro(*rate)

@@ -19,7 +19,6 @@ from unit.fusion.drives import (
     seconds_of,
     stop_and_go,
     straight,
-    town,
     truth_at,
     truth_of,
     winding,
@@ -159,9 +158,16 @@ def test_a_report_s_heading_counts_where_it_has_moved() -> None:
     assert truth_at(poses[-1].t_ns, truths).heading_deg == 0.0
 
 
-@pytest.mark.parametrize("can", [False, True])
-def test_a_speed_without_a_course_gets_a_heading_after_two_hundred_metres(*, can: bool) -> None:
-    truths, messages = driven(winding, 300.0)
+def gently(seconds: float) -> tuple[float, float]:
+    """A main road: bends of 300 m."""
+    return 15.0, 3.0 * math.sin(seconds / 9.0)
+
+
+@pytest.mark.parametrize(("motion", "can"), [(gently, False), (winding, True)])
+def test_a_speed_without_a_course_gets_a_heading_after_two_hundred_metres(
+    motion: Motion, *, can: bool
+) -> None:
+    truths, messages = driven(motion, 300.0)
     out, poses = fused(thinned(messages, 1, ["course_deg"], can=can))
     assert longest(refused(out)) <= 5
     later = [pose for pose in poses if truth_at(pose.t_ns, truths).path_m > 200.0]

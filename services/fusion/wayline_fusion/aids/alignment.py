@@ -33,6 +33,9 @@ class AlignmentEvidence(msgspec.Struct, frozen=True):
     track: Track = Track()
     is_proved: bool = False
     """Fixes have once been worth what they claim."""
+    bias_radps: float = 0.0
+    bias_std_radps: float = 0.0
+    """What was known of the gyro before the first fix: a fit is not to be told its own answer."""
 
 
 class Alignment:
@@ -63,17 +66,27 @@ class Alignment:
         )
         before = self.evidence
         track = before.track.with_fix(seen)
-        self.evidence = AlignmentEvidence(plane, track, is_proved=before.is_proved)
+        if before.plane is None:
+            kalman = estimate.filter
+            bias = float(kalman.x[States.GYRO_BIAS]), kalman.std(States.GYRO_BIAS)
+            before = AlignmentEvidence(plane, Track(), False, *bias)
+        self.evidence = msgspec.structs.replace(before, plane=plane, track=track)
         if track is before.track and self._is_left_alone(estimate):
             return UNUSED
-        bias_radps = float(estimate.filter.x[States.GYRO_BIAS])
-        fit = track.fit(seen, fix.std_m, bias_radps, estimate.filter.std(States.GYRO_BIAS))
+        fit = track.fit(seen, fix.std_m, *self._bias(estimate))
         if fit is None:
             return UNUSED
         if fit.seen >= NOISE_SEEN_MIN:
             self._claim(estimate, fit, fix)
         self._align(estimate, fix, fit, plane)
         return UNUSED
+
+    def _bias(self, estimate: Estimate) -> tuple[float, float]:
+        """Of the gyro, with its std, as it is known without the fixes that are to be fitted."""
+        if not self._is_left_alone(estimate):
+            return self.evidence.bias_radps, self.evidence.bias_std_radps
+        kalman = estimate.filter
+        return float(kalman.x[States.GYRO_BIAS]), kalman.std(States.GYRO_BIAS)
 
     def _is_left_alone(self, estimate: Estimate) -> bool:
         """Whether the filter is on its way: it knows its heading, by fixes that are worth it."""

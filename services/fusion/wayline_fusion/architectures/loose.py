@@ -11,6 +11,7 @@ from wayline_fusion.aids.course import Course
 from wayline_fusion.aids.displacement import Displacement
 from wayline_fusion.aids.gyro_restart import GyroRestart
 from wayline_fusion.aids.gyro_wander import GyroWander
+from wayline_fusion.aids.gyro_warmth import GyroWarmth
 from wayline_fusion.aids.in_turn import InTurn
 from wayline_fusion.aids.kept_pose import KeptPose
 from wayline_fusion.aids.long_way import LongWay
@@ -36,6 +37,7 @@ from wayline_fusion.intake.events import (
     GpsSpeed,
     GyroCheck,
     GyroRestarted,
+    GyroWarmed,
     WheelSpeed,
 )
 
@@ -114,5 +116,6 @@ def aids() -> Mapping[type[Event], Aid]:
         WheelSpeed: Wheels(allow_manoeuvre),
         Elapsed: Rest(),
         GyroRestarted: GyroRestart(),
+        GyroWarmed: GyroWarmth(),
         ClockStep: ClockJump(),
     }

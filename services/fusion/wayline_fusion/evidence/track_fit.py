@@ -167,7 +167,7 @@ class Bends(NamedTuple):
         weight = 1.0 / (noise_m**2 * self.alike)
         normal = weight * (self.moves.conj().T @ self.moves).real
         normal[1, 1] += 1.0 / self.bias_std_radps**2
-        covariance = np.linalg.inv(normal)
+        covariance = np.asarray(np.linalg.inv(normal), dtype=np.float64)
         return Solved(covariance @ (weight * (self.moves.conj().T @ self.left).real), covariance)
 
     def noise_m(self, solution: Floats) -> float:

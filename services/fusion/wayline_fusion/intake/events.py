@@ -118,6 +118,13 @@ class GyroRestarted(msgspec.Struct, frozen=True, gc=False):
     warmer_c: float
 
 
+class GyroWarmed(msgspec.Struct, frozen=True, gc=False):
+    """Under way the gyro has become so much warmer, or colder."""
+
+    t_ns: int
+    warmer_c: float
+
+
 class ClockStep(msgspec.Struct, frozen=True, gc=False):
     """All sensors' time has jumped: the vehicle drove for so much less or more than it says."""
 
@@ -138,6 +145,7 @@ Event = (
     | GpsAltitude
     | Pressure
     | GyroRestarted
+    | GyroWarmed
     | ClockStep
 )
 

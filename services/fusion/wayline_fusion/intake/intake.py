@@ -16,6 +16,7 @@ from wayline_fusion.intake.events import (
     Fix,
     FixInterval,
     GpsAltitude,
+    GyroWarmed,
     Pressure,
     WheelSpeed,
     parts_of,
@@ -23,6 +24,7 @@ from wayline_fusion.intake.events import (
 from wayline_fusion.intake.fix_velocity import FixVelocity
 from wayline_fusion.intake.plausibility import Plausibility, within_reason
 from wayline_fusion.intake.told import Told
+from wayline_fusion.intake.warmth import Warmth
 
 SENSORS: dict[type[Message], str] = {
     Barometer: "barometer",
@@ -63,6 +65,7 @@ class Intake:
         self._rate_steps = Resolution(1e-4)
         self._pressure_steps = Resolution(PRESSURE_UNIT_PA)
         self._rate_rounding_radps = 0.0
+        self._warmth = Warmth()
         self._reverse = False
 
     @property
@@ -94,6 +97,10 @@ class Intake:
         if not steps.settled and steps.learn(rate_degps):
             self._rate_rounding_radps = math.radians(min(steps.std, GYRO_ROUNDING_MAX_DEGPS))
         return Rate(gyro.t_ns, math.radians(rate_degps), self._rate_rounding_radps)
+
+    def warmed(self, gyro: Gyro) -> GyroWarmed | None:
+        """What a gyro's message tells of its warmth."""
+        return self._warmth.change(gyro)
 
     def wheel_speed(self, odometer: Odometer) -> WheelSpeed | None:
         """What an odometer's message tells of the speed."""
