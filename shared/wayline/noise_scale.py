@@ -3,9 +3,9 @@
 import msgspec
 
 PRIOR_WEIGHT = 10.0
-"""The claim counts as this many measurements..."""
+"""The claim counts as this many measurements."""
 WEIGHT_MAX = 60.0
-"""...and what was seen is forgotten over so many: half a minute to a minute of a 1 Hz receiver."""
+"""Measurements are forgotten over so many: half a minute to a minute of a 1 Hz receiver."""
 SQUARE_MAX = 9.0
 """One measurement counts as three sigma at most, rejected ones too: a receiver that is noisier than
 the gate allows for would else never be found out."""

@@ -37,11 +37,10 @@ class FusionCore:
         self._estimator, self._vertical, self._keeper = chosen(tuning, saved)
         self._beginning: Keeper | None = self._keeper
         """Until what was kept is taken up."""
-        self._timeline: Timeline[Event] = Timeline(
-            (self._estimator, self._vertical), round(tuning.late_measurement_s * 1e9)
-        )
+        depth_ns = round(tuning.late_measurement_s * 1e9)
+        self._timeline: Timeline[Event] = Timeline((self._estimator, self._vertical), depth_ns)
         self._told = Told()
-        self._intake = Intake(tuning, self._told)
+        self._intake = Intake(tuning, self._told, self._estimator)
         self._outputs = Outputs(self._estimator, self._vertical, self._told, tuning)
         self._fix_delay_ns = 0
         """How much older than the newest event a fix is when it comes."""
@@ -62,10 +61,13 @@ class FusionCore:
 
     def _is_refused(self, message: Message, source: str) -> bool:
         """Whether a reading cannot be; first of all a step of the clock is noticed."""
-        step = self._intake.clock_step(message)
-        if step is not None:
-            self._add(step)
-        if self._intake.refuses(message, source):
+        intake = self._intake
+        step_s = intake.step_of_clock_s(message)
+        if step_s is not None:
+            self._add(intake.clock_step(step_s))
+        reason = intake.refusal(message, source)
+        if reason is not None:
+            intake.refuse(message, reason)
             return True
         if self._beginning is not None and self._beginning.begin(message.t_ns):
             self._beginning = None
@@ -81,9 +83,7 @@ class FusionCore:
             warmed = self._intake.warmed(gyro)
             if warmed is not None:
                 self._add(warmed)
-        rate = self._intake.rate(gyro)
-        if rate is not None:
-            self._estimator.take_gyro(*rate)
+        self._intake.gyro(gyro)
         return ()
 
     def _odometer(self, odometer: Odometer, source: str) -> Sequence[Message]:
@@ -105,7 +105,7 @@ class FusionCore:
         now_ns = self._estimator.progress.t_ns
         if self._has_can(fix.t_ns) or now_ns <= self._pose_ns:
             return [self._outputs.status(fix.t_ns)]
-        return [self._pose(now_ns), self._outputs.status(fix.t_ns)]
+        return [self._pose(now_ns, has_can=False), self._outputs.status(fix.t_ns)]
 
     def _barometer(self, barometer: Barometer, source: str) -> Sequence[Message]:
         if not self._is_refused(barometer, source):
@@ -121,8 +121,9 @@ class FusionCore:
         on_second = t_ns % SECOND_NS == 0
         fix_ns = self._intake.fix_ns
         without_fix = fix_ns is None or t_ns - fix_ns > SECOND_NS
-        if t_ns > self._pose_ns and (self._has_can(t_ns) or (on_second and without_fix)):
-            messages.append(self._pose(t_ns))
+        has_can = self._has_can(t_ns)
+        if t_ns > self._pose_ns and (has_can or (on_second and without_fix)):
+            messages.append(self._pose(t_ns, has_can=has_can))
         if on_second:
             messages.append(self._outputs.status(t_ns))
         messages += self._keeper.due(t_ns, self._intake.heard_ns)
@@ -135,12 +136,13 @@ class FusionCore:
         """Apply events of one instant, and tell their own verdicts."""
         if not self._timeline.add(*events):
             self._told.late += 1
-        for estimate in (self._estimator, self._vertical):
-            self._told.add(estimate.take_verdicts(), events[0].t_ns)
+        t_ns = events[0].t_ns
+        self._told.add(self._estimator.take_verdicts(), t_ns)
+        if self._vertical.verdicts:
+            self._told.add(self._vertical.take_verdicts(), t_ns)
 
-    def _pose(self, t_ns: int) -> Message:
+    def _pose(self, t_ns: int, *, has_can: bool) -> Message:
         self._pose_ns = t_ns
-        has_can = self._has_can(self._estimator.progress.t_ns)
         fixes = Fixes(self._intake.cadence.usual_s, self._fix_delay_ns)
         return self._outputs.pose(t_ns, fixes, has_can=has_can)
 

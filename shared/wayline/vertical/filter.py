@@ -29,6 +29,8 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
     def _resize(self, receivers: int) -> None:
         self.model = VerticalModel(self._tuning, receivers)
         super().__init__(dim_x=self.model.size, dim_z=1)
+        self._moved = self.model.transition(0.0, 0.0)
+        self.F, self.Q = self._moved
         self.inv = _inverse
 
     def add_receiver(self) -> None:
@@ -44,10 +46,13 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         self.x, self.P = x, P
 
     def advance(self, distance_m: float, elapsed_s: float) -> Transition:
-        """Predict over a distance driven forward (negative in reverse) and the time it took."""
-        transition = self.model.transition(distance_m, elapsed_s)
-        self.predict(F=transition.F, Q=transition.Q)
-        return transition
+        """Predict over a distance driven forward (negative in reverse) and the time it took.
+
+        The next step is written over what is returned.
+        """
+        moved = self.model.moved(self._moved, distance_m, elapsed_s)
+        self.predict()
+        return moved
 
     def project_error(self, receiver: int, before_m: float, std_m: float) -> Transition | None:
         """Renew a receiver's slow error where its std is another one; None where it is not.

@@ -59,7 +59,13 @@ class VerticalModel:
 
     def transition(self, distance_m: float, elapsed_s: float) -> Transition:
         """Over a distance driven forward (negative in reverse) and the time it took."""
-        F, Q = np.eye(self.size), np.zeros((self.size, self.size))
+        return self.moved(
+            Transition(np.eye(self.size), np.zeros((self.size,) * 2)), distance_m, elapsed_s
+        )
+
+    def moved(self, into: Transition, distance_m: float, elapsed_s: float) -> Transition:
+        """As `transition`, written over one that was made of this model before."""
+        F, Q = into
         length, walk = abs(distance_m), self._slope_walk
         F[S.ALTITUDE, S.SLOPE] = distance_m
         Q[S.SLOPE, S.SLOPE] = walk * length
@@ -69,7 +75,7 @@ class VerticalModel:
         kept = math.exp(-elapsed_s / self._error_time_s)
         for state in range(S.GPS_ERROR, self.size):
             F[state, state], Q[state, state] = kept, 1.0 - kept**2
-        return Transition(F, Q)
+        return into
 
     def renewal(self, receiver: int, kept: float) -> Transition:
         """At once: only a part of a receiver's slow error goes on, and a new one comes."""

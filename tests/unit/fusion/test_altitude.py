@@ -11,6 +11,7 @@ import pytest
 from builders import about, at, fix, odometer, only, run_core
 from unit.fusion.drives import ORIGIN, Motion, Sensors, messages_of, seconds_of, straight, truth_of
 from wayline.air import EXPONENT, SCALE_M, SEA_LEVEL_PA
+from wayline.core import Record
 from wayline.inputs import Flush
 from wayline.messages import Barometer, FusionStatus, GpsFix, Message, Pose, Verdict
 from wayline.tuning import Tuning
@@ -175,7 +176,8 @@ def test_a_2d_fix_tells_no_altitude() -> None:
 
 def test_each_receiver_has_an_error_of_its_own() -> None:
     """Two that are 6 m apart: the altitude is between them, and neither is rejected."""
-    core, outputs = FusionCore(Tuning()), []
+    core = FusionCore(Tuning())
+    outputs: list[Message | Record] = []
     for second in range(240):
         lat_deg, lon_deg = ORIGIN.to_geodetic(0.0, 20.0 * second)
         outputs += core.handle(odometer(second - 0.02, 20.0), "can-ingest")
@@ -229,3 +231,13 @@ def test_a_vehicle_carried_up_while_it_was_off_has_its_new_altitude_after_second
     ]
     poses = only(run_core(FusionCore(Tuning(), saved), later), Pose)
     assert poses[-1].alt_m == about(BASE_M + 80.0, 3.0)
+
+
+def test_after_a_silence_of_hours_the_first_altitude_counts() -> None:
+    """A vehicle may have been anywhere; nothing that was known of the height is held against it."""
+    hours_ns = 5 * 3_600_000_000_000
+    later = [msgspec.structs.replace(m, t_ns=m.t_ns + hours_ns) for m in heard(climbing, 12.0)]
+    messages = [*heard(lambda _: 900.0, 200.0), *later]
+    poses = [pose for pose in poses_of(messages) if pose.t_ns > at(5 * 3600)]
+    assert poses[0].alt_m is None or abs(poses[0].alt_m - BASE_M) < 5.0
+    assert poses[-1].alt_m == about(climbing(20.0 * 11.9), 2.0)

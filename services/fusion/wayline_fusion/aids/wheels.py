@@ -66,23 +66,23 @@ class Wheels:
         if not outcome.is_accepted:
             streak = rejected(self.evidence.rejected, wheels.t_ns)
             self.evidence = msgspec.structs.replace(self.evidence, rejected=streak)
-            estimate.know(still_since_ns=None)
-        elif is_still:
-            estimate.know(still_since_ns=estimate.situation.still_since_ns or wheels.t_ns)
-        else:
-            estimate.know(still_since_ns=None)
+            _turn(estimate)
+        elif not is_still:
+            _turn(estimate)
+        elif estimate.situation.still_since_ns is None:
+            estimate.know(still_since_ns=wheels.t_ns)
         return outcome
 
     def _try(self, estimate: Estimate, wheels: WheelSpeed) -> Outcome:
         std_mps = wheels.std_mps * self._oversampled(wheels.t_ns)
         measurement = measurements.odometer(estimate.filter.x, wheels.speed_mps, std_mps)
-        self._doubt(estimate, wheels, measurement)
-        rejected_s = lasted_s(self.evidence.rejected, wheels.t_ns)
+        if self.evidence.rejected is not None:
+            self._doubt(estimate, wheels, measurement)
 
         def second_look(unlikely: Measurement) -> bool:
             rolled = self.evidence.rolled
             since_ns = rolled.t_ns if rolled else None
-            is_first = rejected_s == 0.0
+            is_first = lasted_s(self.evidence.rejected, wheels.t_ns) == 0.0
             return is_first and self._manoeuvre(estimate, unlikely, wheels.t_ns, since_ns)
 
         def update(likely: Measurement) -> None:
@@ -131,6 +131,12 @@ class Wheels:
             scale = float(estimate.filter.x[States.ODOMETER_SCALE])
             estimate.distance_m = before.distance_m + scale * measured_m
         self.evidence = WheelEvidence(Rolled(wheels.t_ns, wheels.speed_mps, estimate.distance_m))
+
+
+def _turn(estimate: Estimate) -> None:
+    """The wheels do not stand, or it is not known."""
+    if estimate.situation.still_since_ns is not None:
+        estimate.know(still_since_ns=None)
 
 
 def _is_driving(estimate: Estimate, wheels: WheelSpeed) -> bool:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Protocol
 import msgspec
 
 from wayline.messages import Verdict
+from wayline_fusion.filter.gyro_track import TakeGyro
 from wayline_fusion.filter.vertical import Progress
 from wayline_fusion.intake.events import Event
 
@@ -57,8 +58,13 @@ class Architecture(Protocol):
         """The kinds of events that it wants to be given."""
         ...
 
-    def take_gyro(self, t_ns: int, rate_radps: float, rounding_std_radps: float) -> None:
-        """Take a gyro sample, clockwise, and the std of the gyro's steps."""
+    @property
+    def take_gyro(self) -> TakeGyro:
+        """Takes a gyro sample."""
+        ...
+
+    def know_gyro_steps(self, rounding_std_radps: float) -> None:
+        """Take the std of the gyro's steps, whenever other ones have been seen."""
         ...
 
     def apply(self, event: Event) -> None:

@@ -24,24 +24,39 @@ class Chosen(NamedTuple):
     keeper: Keeper
 
 
-ARCHITECTURES: Mapping[str, Callable[[Tuning], Architecture]] = {
-    "loose": Loose,
-    "uncoupled": Uncoupled,
-    "gps_only": lambda tuning: GpsOnly(tuning, same_for_all),
-    "gps_only_modified": lambda tuning: GpsOnly(tuning, by_quality),
-}
+Build = Callable[[Tuning, Saved | None], Chosen]
+"""Makes an architecture that begins with what was kept of the vehicle."""
 
 
-def chosen(tuning: Tuning, saved: Saved | None) -> Chosen:
-    """The architecture that the tuning names, beginning with what was kept of the vehicle."""
-    if tuning.architecture == "loose":
-        loose = Loose(tuning)
-        vertical = _vertical(tuning, loose)
-        return Chosen(loose, vertical, EstimateKeeper(loose, vertical, saved, tuning))
-    architecture = ARCHITECTURES[tuning.architecture](tuning)
-    return Chosen(architecture, _vertical(tuning, architecture), NoKeeper())
+def _loose(tuning: Tuning, saved: Saved | None) -> Chosen:
+    loose = Loose(tuning)
+    vertical = _vertical(tuning, loose)
+    return Chosen(loose, vertical, EstimateKeeper(loose, vertical, saved, tuning))
+
+
+def _forgetful(make: Callable[[Tuning], Architecture]) -> Build:
+    """For an architecture that learns nothing."""
+
+    def build(tuning: Tuning, _: Saved | None) -> Chosen:
+        architecture = make(tuning)
+        return Chosen(architecture, _vertical(tuning, architecture), NoKeeper())
+
+    return build
 
 
 def _vertical(tuning: Tuning, architecture: Architecture) -> VerticalEstimate:
     aids: Mapping[type[Event], VerticalAid] = {GpsAltitude: Altitude(), Pressure: AirPressure()}
     return VerticalEstimate(tuning, architecture, aids)
+
+
+ARCHITECTURES: Mapping[str, Build] = {
+    "loose": _loose,
+    "uncoupled": _forgetful(Uncoupled),
+    "gps_only": _forgetful(lambda tuning: GpsOnly(tuning, same_for_all)),
+    "gps_only_modified": _forgetful(lambda tuning: GpsOnly(tuning, by_quality)),
+}
+
+
+def chosen(tuning: Tuning, saved: Saved | None) -> Chosen:
+    """The architecture that the tuning names, beginning with what was kept of the vehicle."""
+    return ARCHITECTURES[tuning.architecture](tuning, saved)

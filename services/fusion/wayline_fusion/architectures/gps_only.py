@@ -102,8 +102,11 @@ class GpsOnly:
         self._filter.x = np.zeros(len(S))
         self._track = Followed()
 
-    def take_gyro(self, t_ns: int, rate_radps: float, rounding_std_radps: float) -> None:
+    def take_gyro(self, t_ns: int, rate_radps: float) -> None:
         """Not listened to."""
+
+    def know_gyro_steps(self, rounding_std_radps: float) -> None:
+        """Not listened to either."""
 
     def snapshot(self) -> Snapshot:
         """For a rewind; what it holds is never changed in place."""

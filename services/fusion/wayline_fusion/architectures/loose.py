@@ -23,6 +23,7 @@ from wayline_fusion.aids.unseen import allow_turn, allow_unseen
 from wayline_fusion.aids.wheels import Wheels
 from wayline_fusion.architectures.architecture import Motion, SensorErrors
 from wayline_fusion.filter.estimate import Aid, Estimate
+from wayline_fusion.filter.gyro_track import TakeGyro
 from wayline_fusion.filter.states import States
 from wayline_fusion.filter.vertical import Progress
 from wayline_fusion.intake.events import (
@@ -51,11 +52,12 @@ class Loose(Estimate):
 
     def __init__(self, tuning: Tuning) -> None:
         super().__init__(tuning, aids())
+        self.take_gyro: TakeGyro = self.gyro.add
+        """Appends to the measured turn, which predictions read."""
 
-    def take_gyro(self, t_ns: int, rate_radps: float, rounding_std_radps: float) -> None:
-        """Append to the measured turn, which predictions read."""
+    def know_gyro_steps(self, rounding_std_radps: float) -> None:
+        """Count the gyro's steps as noise."""
         self.gyro_rounding_radps = rounding_std_radps
-        self.gyro.add(t_ns, rate_radps)
 
     @property
     def progress(self) -> Progress:

@@ -16,7 +16,7 @@ from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
 from wayline_fusion.architectures.architecture import Motion, SensorErrors
-from wayline_fusion.filter.gyro_track import GyroTrack
+from wayline_fusion.filter.gyro_track import GyroTrack, TakeGyro
 from wayline_fusion.filter.horizontal import DrivingNoise, HorizontalFilter
 from wayline_fusion.filter.plane import moved_along
 from wayline_fusion.filter.states import Floats, States
@@ -59,13 +59,13 @@ class Uncoupled:
         self._tuning = tuning
         self._filter = HorizontalFilter(tuning)
         self._gyro = GyroTrack()
+        self.take_gyro: TakeGyro = self._gyro.add
         self._gyro_rounding_radps = 0.0
         self._reckoned = Reckoned()
 
-    def take_gyro(self, t_ns: int, rate_radps: float, rounding_std_radps: float) -> None:
-        """Append to the measured turn."""
+    def know_gyro_steps(self, rounding_std_radps: float) -> None:
+        """Count the gyro's steps as noise."""
         self._gyro_rounding_radps = rounding_std_radps
-        self._gyro.add(t_ns, rate_radps)
 
     def snapshot(self) -> Snapshot:
         """For a rewind; what it holds is never changed in place."""

@@ -5,7 +5,6 @@ one minute, compared with that over the next, is the Allan variance of the gyro 
 rate random walk: K^2 tau / 3), besides what the courses and the angle random walk add.
 """
 
-import math
 from typing import NamedTuple
 
 import msgspec
@@ -21,9 +20,9 @@ SPAN_MIN_S, SPAN_MAX_S = 55.0, 150.0
 SAMPLE_WEIGHT = 0.25
 """Slopes that begin every ten seconds overlap; so much is new in each."""
 PRIOR_WEIGHT = 2.0
-"""The configured wander counts as so many independent samples..."""
+"""The configured wander counts as so many independent samples."""
 WEIGHT_MAX = 30.0
-"""...and what was seen is forgotten over so many."""
+"""Samples are forgotten over so many further ones."""
 LEAST, MOST = 0.5, 8.0
 """Times the configured wander: cheap gyros are four times worse than automotive ones."""
 SAMPLE_MAX = 9.0
@@ -63,11 +62,6 @@ class BiasWander(msgspec.Struct, frozen=True):
     weight: float = PRIOR_WEIGHT
     bins: tuple[Courses, ...] = ()
     """The last one is still being filled."""
-
-    @property
-    def multiple(self) -> float:
-        """Of the configured walk."""
-        return math.sqrt(self.factor)
 
     def forgotten(self) -> "BiasWander":
         """After a gap in the measured turn the courses before it tell nothing."""

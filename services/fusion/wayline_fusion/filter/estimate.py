@@ -1,7 +1,7 @@
 """Pure: what is believed of one vehicle, brought forward by events; each aid takes its own kind."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import msgspec
@@ -121,7 +121,10 @@ class Estimate:
         self._aids = tuple(aids.values())
         self._turn_noise = math.radians(tuning.gyro_noise_deg_per_sqrt_s)
         self._bias_walk = math.radians(tuning.gyro_bias_walk_degps_per_sqrt_s)
-        self._fresh = tuple(aid.evidence for aid in self._aids)
+        self._noise_of = (math.nan, math.nan, math.nan)
+        self._noise = DrivingNoise(self._turn_noise, self._bias_walk, tuning.gps_error_time_s)
+        self._evidence: tuple[Any, ...] | None = None
+        self._fresh = self._all_evidence()
         self._sound = self.snapshot()
 
     @property
@@ -135,7 +138,10 @@ class Estimate:
         kind = type(event)
         aid = self._aid_of.get(kind)
         if aid is not None:
+            before = aid.evidence
             aid.take(self, event)
+            if aid.evidence is not before:
+                self._evidence = None
         if kind is Elapsed:
             self._keep_sound(event.t_ns)
 
@@ -150,7 +156,7 @@ class Estimate:
             kalman.P,
             self.situation,
             self.learned,
-            tuple([aid.evidence for aid in self._aids]),
+            self._all_evidence(),
         )
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -161,7 +167,15 @@ class Estimate:
         self.situation, self.learned = snapshot.situation, snapshot.learned
         self._remind(snapshot.evidence)
 
-    def _remind(self, evidence: Sequence[Any]) -> None:
+    def _all_evidence(self) -> tuple[Any, ...]:
+        """Of each aid; made anew only when one has changed."""
+        evidence = self._evidence
+        if evidence is None:
+            evidence = self._evidence = tuple([aid.evidence for aid in self._aids])
+        return evidence
+
+    def _remind(self, evidence: tuple[Any, ...]) -> None:
+        self._evidence = evidence
         for aid, each in zip(self._aids, evidence, strict=True):
             aid.evidence = each
 
@@ -233,13 +247,15 @@ class Estimate:
 
     def driving_noise(self) -> DrivingNoise:
         """What is known of this gyro, learned or configured."""
-        return DrivingNoise(
-            math.hypot(
-                self._turn_noise, self.gyro_rounding_radps * math.sqrt(ROUNDING_CORRELATION_S)
-            ),
-            self._bias_walk * self.learned.wander.multiple,
-            max(self.tuning.gps_error_time_s / self.learned.claim_factor, REFLECTED_S),
-        )
+        steps, learned = self.gyro_rounding_radps, self.learned
+        known = steps, learned.wander.factor, learned.claim_factor
+        if self._noise_of != known:
+            self._noise_of = known
+            turn_noise = math.hypot(self._turn_noise, steps * math.sqrt(ROUNDING_CORRELATION_S))
+            alike_s = max(self.tuning.gps_error_time_s / learned.claim_factor, REFLECTED_S)
+            bias_walk = self._bias_walk * math.sqrt(learned.wander.factor)
+            self._noise = DrivingNoise(turn_noise, bias_walk, alike_s)
+        return self._noise
 
     def correct(self, measurement: Measurement) -> None:
         """Correct with a measurement of GPS; without wheels none of them tells of their scale."""

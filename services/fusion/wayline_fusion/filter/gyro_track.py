@@ -1,6 +1,7 @@
 """Pure: the angle that the gyro has measured, between any two instants of the last seconds."""
 
 from bisect import bisect_left
+from collections.abc import Callable
 
 LONGEST_HOLD_NS = 1_000_000_000
 """A rate is held this long when samples stop (SPEC section 2)."""
@@ -8,6 +9,9 @@ KEPT_NS = 4_000_000_000
 TRIM_AT = 2_000
 RECENT = 32
 """Samples; nearly all questions are of an instant among them."""
+
+TakeGyro = Callable[[int, float], None]
+"""Takes an instant and a rate in rad/s, clockwise."""
 
 
 class GyroTrack:

@@ -154,6 +154,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P[S.NORTH, S.NORTH] += across_m2
 
     def _set_noise(self, dt_s: float, noise: DrivingNoise, *, gyro: bool, standing: bool) -> None:
+        # a view of the diagonal, made anew: a copy of the filter would keep a view of the old Q
         tuning, variances = self._tuning, self.Q.reshape(-1)[:: SIZE + 1]
         if standing:
             position_mps2, heading = 0.0, 0.0
@@ -362,19 +363,22 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
     @property
     def speed_mps(self) -> float:
         """Over ground, negative in reverse."""
-        return float(self.x[S.ODOMETER_SCALE] * self.x[S.WHEEL_SPEED])
+        # plain numbers: numpy's own are slow to calculate with
+        x = self.x
+        speed_mps: float = x.item(S.ODOMETER_SCALE) * x.item(S.WHEEL_SPEED)
+        return speed_mps
 
     @property
     def speed_std_mps(self) -> float:
         """One sigma of the speed, by its derivatives."""
-        by_wheels, by_scale = float(self.x[S.ODOMETER_SCALE]), float(self.x[S.WHEEL_SPEED])
-        P = self.P
+        by_wheels, by_scale = self.x.item(S.ODOMETER_SCALE), self.x.item(S.WHEEL_SPEED)
+        covariance = self.P.item
         variance = (
-            by_wheels**2 * P[S.WHEEL_SPEED, S.WHEEL_SPEED]
-            + by_scale**2 * P[S.ODOMETER_SCALE, S.ODOMETER_SCALE]
-            + 2.0 * by_wheels * by_scale * P[S.WHEEL_SPEED, S.ODOMETER_SCALE]
+            by_wheels**2 * covariance(S.WHEEL_SPEED, S.WHEEL_SPEED)
+            + by_scale**2 * covariance(S.ODOMETER_SCALE, S.ODOMETER_SCALE)
+            + 2.0 * by_wheels * by_scale * covariance(S.WHEEL_SPEED, S.ODOMETER_SCALE)
         )
-        return math.sqrt(max(float(variance), 0.0))
+        return math.sqrt(max(variance, 0.0))
 
     def std(self, state: int) -> float:
         """One sigma of a state."""

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, Protocol
 
 import msgspec
 
+from wayline.grid import LONGEST_GAP_NS
 from wayline.likelihood import Floats, Measurement
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
@@ -89,8 +90,11 @@ class VerticalEstimate:
         self._pressure_ns: int | None = None
         self._receivers: tuple[str, ...] = ()
         self._horizontal = horizontal
+        self._snapshot: Snapshot | None = None
+        """Of the state as it is; None once it has changed."""
         self._aid_of = aids
         self._aids = tuple(aids.values())
+        self._fresh = self._evidence = tuple(aid.evidence for aid in self._aids)
 
     @property
     def takes(self) -> frozenset[type[Event]]:
@@ -104,14 +108,17 @@ class VerticalEstimate:
         ahead_s = max(event.t_ns - progress.t_ns, 0) * 1e-9
         distance_m = progress.distance_m + abs(progress.speed_mps) * ahead_s
         self._advance_to(event.t_ns, distance_m, backwards=progress.speed_mps < 0.0)
+        self._snapshot = None
         self._aid_of[type(event)].take(self, event)
+        self._evidence = tuple([aid.evidence for aid in self._aids])
 
     def height_at(self, progress: Progress) -> Height | None:
         """Altitude and slope where the vehicle has come to; None before the first altitude."""
+        if self.known:
+            backwards = progress.speed_mps < 0.0
+            self._advance_to(progress.t_ns, progress.distance_m, backwards=backwards)
         if not self.known:
             return None
-        backwards = progress.speed_mps < 0.0
-        self._advance_to(progress.t_ns, progress.distance_m, backwards=backwards)
         kalman = self.filter
         return Height(
             kalman.x.item(S.ALTITUDE),
@@ -154,6 +161,11 @@ class VerticalEstimate:
 
     def snapshot(self) -> Snapshot:
         """The state, for a rewind; what it holds is never changed in place."""
+        if self._snapshot is None:
+            self._snapshot = self._made()
+        return self._snapshot
+
+    def _made(self) -> Snapshot:
         kalman = self.filter
         return Snapshot(
             self.t_ns,
@@ -163,29 +175,43 @@ class VerticalEstimate:
             kalman.P,
             self._pressure_ns,
             self._receivers,
-            tuple([aid.evidence for aid in self._aids]),
+            self._evidence,
         )
 
     def restore(self, snapshot: Snapshot) -> None:
         """Set everything back to a snapshot."""
+        self._snapshot = snapshot
         self.t_ns, self._distance_m = snapshot.t_ns, snapshot.distance_m
         self.known, self._receivers = snapshot.known, snapshot.receivers
         self.filter.set(snapshot.x, snapshot.P)
         self._pressure_ns = snapshot.pressure_ns
-        for aid, evidence in zip(self._aids, snapshot.evidence, strict=True):
-            aid.evidence = evidence
+        self._remind(snapshot.evidence)
 
     def take_verdicts(self) -> Sequence[Verdict]:
         """Verdicts since the last call, those of events applied again after a rewind included."""
         verdicts, self.verdicts = self.verdicts, []
         return verdicts
 
+    def _start_over(self) -> None:
+        """After a silence that no prediction can bridge nothing is known of the height."""
+        self.filter.set(*self.filter.model.first())
+        self.known, self._pressure_ns = False, None
+        self._remind(self._fresh)
+
+    def _remind(self, evidence: tuple[Any, ...]) -> None:
+        self._evidence = evidence
+        for aid, each in zip(self._aids, evidence, strict=True):
+            aid.evidence = each
+
     def _advance_to(self, t_ns: int, distance_m: float, *, backwards: bool) -> None:
         began_ns, began_m = self.t_ns, self._distance_m
         if began_ns and t_ns <= began_ns:
             return
+        self._snapshot = None
         self.t_ns, self._distance_m = t_ns, distance_m
-        if began_ns:
+        if began_ns and t_ns - began_ns > LONGEST_GAP_NS:
+            self._start_over()
+        elif began_ns:
             driven_m = max(distance_m - began_m, 0.0)
             elapsed_s = (t_ns - began_ns) * 1e-9
             self.filter.advance(-driven_m if backwards else driven_m, elapsed_s)

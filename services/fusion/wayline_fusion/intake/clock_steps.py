@@ -8,9 +8,9 @@ from wayline.grid import LONGEST_GAP_NS
 from wayline.messages import Gyro, Message, Odometer
 
 FORWARD_NS = 1_500_000_000
-"""A silent bus leaves the seconds between fixes; more than that is a step..."""
+"""A silent bus leaves the seconds between fixes; more than that is a step of the clock."""
 BACK_NS = 1_000_000_000
-"""...and so is more than a measurement may be late."""
+"""Further back than a measurement may be late is a step of the clock."""
 OF_VEHICLE = (Gyro, Odometer)
 """The vehicle's own sensors, which come in order and often."""
 

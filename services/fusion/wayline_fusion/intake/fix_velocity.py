@@ -7,9 +7,9 @@ from wayline.geo import step_between
 from wayline.messages import GpsFix
 
 SHORTEST_M = 15.0
-"""A way this long has a course worth having..."""
+"""A way this long has a course worth having."""
 LONGEST_NS = 10_000_000_000
-"""...and one that takes longer says that the vehicle crawls or stands."""
+"""A shorter way in this time says that the vehicle crawls or stands."""
 FORGET_NS = 120_000_000_000
 """Over a longer silence the vehicle may have been anywhere."""
 SPEED_FLOOR_MPS = 0.5

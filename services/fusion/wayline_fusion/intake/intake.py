@@ -1,7 +1,7 @@
 """Pure: readings of one vehicle, held against what can be and made into events."""
 
 import math
-from typing import NamedTuple
+from typing import Protocol
 
 from wayline.air import metres_per_pascal, pressure_altitude_m
 from wayline.cadence import Cadence
@@ -9,6 +9,7 @@ from wayline.gps_quality import altitude_std_m, has_altitude, horizontal_std_m, 
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer
 from wayline.resolution import PRESSURE_UNIT_PA, Resolution
 from wayline.tuning import Tuning
+from wayline_fusion.filter.gyro_track import TakeGyro
 from wayline_fusion.intake.clock_steps import ClockSteps
 from wayline_fusion.intake.events import (
     ClockStep,
@@ -39,32 +40,40 @@ GYRO_ROUNDING_MAX_DEGPS = 0.15
 """Of steps of half a degree a second; until enough is read, steps seem larger."""
 
 
-class Rate(NamedTuple):
-    """A gyro's reading, clockwise, and the std of its steps."""
+class Gyroscoped(Protocol):
+    """What the gyro is for."""
 
-    t_ns: int
-    radps: float
-    rounding_std_radps: float
+    @property
+    def take_gyro(self) -> TakeGyro:
+        """Takes an instant and a rate in rad/s, clockwise."""
+        ...
+
+    def know_gyro_steps(self, rounding_std_radps: float) -> None:
+        """Take the std of the gyro's steps."""
+        ...
 
 
 class Intake:
     """Knows the sensors' steps and what the last readings were; refusals are told to `told`."""
 
-    def __init__(self, tuning: Tuning, told: Told) -> None:
+    def __init__(self, tuning: Tuning, told: Told, estimator: Gyroscoped) -> None:
         self._tuning, self._told = tuning, told
+        self._estimator, self._take_gyro = estimator, estimator.take_gyro
         self.vehicle_ns: int | None = None
         """Of the newest reading of gyro or wheels."""
         self.fix_ns: int | None = None
         """Of the newest valid fix."""
         self.cadence = Cadence()
         """Of the valid fixes, whichever receiver they come from."""
-        self._plausibility = Plausibility()
         self._clock_steps = ClockSteps()
+        self.step_of_clock_s = self._clock_steps.step_s
+        """How far the clock has stepped before a message; asked of every message, and first."""
+        self.refusal = Plausibility().refusal
+        """Why a reading cannot be; asked of every message of a source."""
         self._velocity = FixVelocity()
         self._wheel_steps = Resolution(1e-4)
         self._rate_steps = Resolution(1e-4)
         self._pressure_steps = Resolution(PRESSURE_UNIT_PA)
-        self._rate_rounding_radps = 0.0
         self._warmth = Warmth()
         self._reverse = False
 
@@ -73,30 +82,26 @@ class Intake:
         """When a sensor said something for the last time."""
         return max(self.vehicle_ns or 0, self.fix_ns or 0) or None
 
-    def clock_step(self, message: Message) -> ClockStep | None:
-        """A step of the clock just before a message; asked of every message, and first."""
-        step_s = self._clock_steps.step_s(message)
-        return None if step_s is None else ClockStep(self._clock_steps.newest_ns, step_s)
+    def clock_step(self, step_s: float) -> ClockStep:
+        """The event of a step that `step_of_clock_s` has found."""
+        return ClockStep(self._clock_steps.newest_ns, step_s)
 
-    def refuses(self, message: Message, source: str) -> bool:
-        """Whether a reading cannot be, which is told."""
-        reason = self._plausibility.refusal(message, source)
-        if reason is None:
-            return False
+    def refuse(self, message: Message, reason: str) -> None:
+        """Tell of a reading that `refusal` has found to be none."""
         sensor, now_ns = SENSORS[type(message)], self._clock_steps.newest_ns
         self._told.refuse(sensor, message.t_ns, reason, now_ns)
-        return True
 
-    def rate(self, gyro: Gyro) -> Rate | None:
-        """What a gyro's message tells of the turn."""
+    def gyro(self, gyro: Gyro) -> None:
+        """Pass a measured rate on, and the std of the gyro's steps; it is no event of its own."""
         rate_degps = gyro.yaw_rate_degps
         if rate_degps is None:
-            return None
+            return
         self.vehicle_ns = gyro.t_ns
         steps = self._rate_steps
         if not steps.settled and steps.learn(rate_degps):
-            self._rate_rounding_radps = math.radians(min(steps.std, GYRO_ROUNDING_MAX_DEGPS))
-        return Rate(gyro.t_ns, math.radians(rate_degps), self._rate_rounding_radps)
+            rounding_degps = min(steps.std, GYRO_ROUNDING_MAX_DEGPS)
+            self._estimator.know_gyro_steps(math.radians(rounding_degps))
+        self._take_gyro(gyro.t_ns, math.radians(rate_degps))
 
     def warmed(self, gyro: Gyro) -> GyroWarmed | None:
         """What a gyro's message tells of its warmth."""

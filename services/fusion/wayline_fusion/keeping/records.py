@@ -17,14 +17,16 @@ class SensorCalibration(msgspec.Struct, frozen=True, kw_only=True):
     gps_latency_s: float
     gps_latency_std_s: float
     correlations: tuple[float, ...]
-    """Of these four: first with second, first with third, and so on to third with fourth."""
+    """Of bias, gyro scale, odometer scale and latency: first with second, first with third, first
+    with fourth, second with third and so on."""
     gyro_temperature_c: float | None = None
     """While the bias was learned, where the bus tells it."""
     position_noise_factor: float = 1.0
-    """Of the variances that this vehicle's sensors claim or are configured to have..."""
+    """Of the white variance that the receiver claims for its positions."""
     velocity_noise_factor: float = 1.0
+    """Of the variance that the receiver claims, or is configured to have, for its Doppler."""
     bias_wander_factor: float = 1.0
-    """...and of the gyro's configured bias walk."""
+    """Of the square of the configured walk of the gyro's bias."""
 
 
 class LastPose(msgspec.Struct, frozen=True, kw_only=True):

@@ -30,9 +30,9 @@ CLOCK_SLACK_S = 1.0
 STOOD_MPS = 0.5
 """Slower is standing."""
 ACCELERATION_MPS2 = 1.5
-"""What the speed may have done while nobody looked..."""
+"""What the speed may have changed by while nobody looked."""
 LATERAL_MPS2 = 1.0
-"""...and the heading: curves are driven at so much sideways."""
+"""What the heading may have turned by meanwhile: curves are driven at so much sideways."""
 USEFUL_STD_M, USEFUL_STD_DEG = 100.0, 30.0
 """A place or heading known worse is none to go on from."""
 
