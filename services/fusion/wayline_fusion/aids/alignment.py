@@ -9,12 +9,10 @@ from wayline_fusion.evidence.track_fit import Fit, Seen, Track
 from wayline_fusion.filter.estimate import Estimate
 from wayline_fusion.filter.gate import UNUSED, Outcome
 from wayline_fusion.filter.states import States
-from wayline_fusion.intake.events import FixTaken
+from wayline_fusion.intake.events import FixSeen
 
 APART_STDS = 3.0
 """A heading as far from the fit's is wrong."""
-OFTEN_S = 5.0
-"""Fixes that come more seldom are too few for a shape."""
 SCATTER_MIN = 1.5
 """Times the claimed std; less may be chance, so few of the fixes are wrong each in its own way."""
 LYING = 2.5
@@ -50,9 +48,9 @@ class Alignment:
     def __init__(self) -> None:
         self.evidence = AlignmentEvidence()
 
-    def take(self, estimate: Estimate, fix: FixTaken) -> Outcome:
+    def take(self, estimate: Estimate, fix: FixSeen) -> Outcome:
         """Remember a fix, believed or not, and use what it makes of the fit."""
-        if not is_reckoned(estimate, fix):
+        if not estimate.way_reckoned(tells_speed=fix.tells_speed):
             self.evidence = AlignmentEvidence()
             estimate.learn(claim_factor=1.0)
             return UNUSED
@@ -93,7 +91,7 @@ class Alignment:
         lies = estimate.learned.claim_factor >= LYING and not self.evidence.is_proved
         return estimate.situation.heading_known and not lies
 
-    def _claim(self, estimate: Estimate, fit: Fit, fix: FixTaken) -> None:
+    def _claim(self, estimate: Estimate, fit: Fit, fix: FixSeen) -> None:
         """Let fixes count for so much less as they scatter."""
         scatter = fit.noise_m / fix.std_m
         factor = scatter if scatter > SCATTER_MIN else 1.0
@@ -101,7 +99,7 @@ class Alignment:
         if factor < LYING and fit.told >= PROVED_TOLD:
             self.evidence = msgspec.structs.replace(self.evidence, is_proved=True)
 
-    def _align(self, estimate: Estimate, fix: FixTaken, fit: Fit, plane: LocalPlane) -> None:
+    def _align(self, estimate: Estimate, fix: FixSeen, fit: Fit, plane: LocalPlane) -> None:
         """Set place and heading where they are not known, or not what the fit says."""
         kalman, situation = estimate.filter, estimate.situation
         heading_rad = estimate.reckoned.heading_rad + fit.turn_rad
@@ -120,11 +118,3 @@ class Alignment:
         if is_sure:
             kalman.reset_reckoning((*place_m, heading_rad, fit.bias_radps), fit.covariance)
             estimate.know(heading_known=True)
-
-
-def is_reckoned(estimate: Estimate, fix: FixTaken) -> bool:
-    """Whether the way from fix to fix is told by gyro and speed, and by no courses."""
-    if estimate.courses_told or estimate.situation.fix_interval_s > OFTEN_S:
-        return False
-    has_speed = estimate.wheels_fresh or fix.tells_speed
-    return has_speed and estimate.gyro.covers(fix.t_ns)

@@ -70,7 +70,9 @@ class Course:
             since_ns = None if before is None else before.t_ns
             return self._turn(estimate, float(unlikely.y[0]), speed_mps, since_ns)
 
-        policy = Policy(tuning.gate_probability, second_look=second_look)
+        turns_told = estimate.gyro.covers(course.t_ns)
+        look = None if turns_told else second_look
+        policy = Policy(tuning.gate_probability, second_look=look)
         outcome = try_measurement(estimate, measurement, course.t_ns, policy)
         if outcome.is_accepted:
             self.evidence = CourseEvidence()

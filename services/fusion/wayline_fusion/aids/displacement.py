@@ -6,7 +6,6 @@ from typing import NamedTuple
 import msgspec
 
 from wayline.geo import step_between, wrap_pi
-from wayline_fusion.aids.alignment import is_reckoned
 from wayline_fusion.filter.estimate import UNSURE_HEADING_RAD, Estimate, Reckoned
 from wayline_fusion.filter.gate import UNUSED, Outcome
 from wayline_fusion.filter.states import States
@@ -94,7 +93,11 @@ class Displacement:
         moved = _moved(anchor, here)
         is_long = moved.distance_m >= max(SHORTEST_M, moved.noise_m / NOISE_MAX_RAD)
         is_over = moved.elapsed_s > _longest_s(estimate)
-        if is_long and not is_reckoned(estimate, fix) and self._turn(estimate, moved):
+        if (
+            is_long
+            and not estimate.way_reckoned(tells_speed=fix.tells_speed)
+            and self._turn(estimate, moved)
+        ):
             is_over = True
         if (is_long or is_over) and not fix.tells_speed:
             _set_speed(estimate, moved)

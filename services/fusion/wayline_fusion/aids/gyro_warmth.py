@@ -21,5 +21,5 @@ class GyroWarmth:
     def take(self, estimate: Estimate, warmed: GyroWarmed) -> Outcome:
         """Doubt the bias."""
         drift = math.radians(estimate.tuning.gyro_bias_drift_degps_per_c)
-        estimate.filter.inflate(States.GYRO_BIAS, drift * warmed.warmer_c)
+        estimate.filter.inflate_std(States.GYRO_BIAS, drift * warmed.warmer_c)
         return UNUSED

@@ -26,6 +26,10 @@ LIKELY_PROBABILITY = 0.95
 less likely than this count for less."""
 SAME_ERROR_RATIO = 0.7
 """Of two claimed stds; a satellite more or less changes them by less."""
+OFTEN_S = 5.0
+"""Between fixes that come more seldom dead reckoning is the one to doubt, as after an outage."""
+OUTAGE_INTERVALS = 3.0
+"""A silence is no outage before so many of the source's fixes are missing."""
 GUESSED_RATIO = 3.0
 """Of stds: a way that is known so much worse than the fix's white noise says nothing of it."""
 DIRECTION_UNSURE_RAD = math.radians(60.0)
@@ -34,7 +38,9 @@ RELOCK_DOUBT_SHARE = 0.5
 """Positions that have won against dead reckoning may still be the reflections."""
 AGREEING_M = 10.0
 AGREEING_STDS = 4.0
-"""Rejected positions agree when they are displaced alike, to so many metres or stds."""
+"""Rejected positions agree when they are displaced alike, to so many metres or stds..."""
+AGREEING_SHARE = 0.5
+"""...or, where they come seldom and the way between them strays, to this share of how far."""
 
 
 class PositionEvidence(msgspec.Struct, frozen=True):
@@ -87,12 +93,11 @@ class Position:
         white_std_m = math.sqrt(max(white_m2, claimed_m2))
         measurement = measurements.position(estimate.filter.x, *place_m, slow_std_m, white_std_m)
 
-        def second_look(unlikely: Measurement) -> bool:
-            return self._unseen(estimate, unlikely)
-
+        # with turns and speed told nothing unseen explains an unlikely position
+        look = None if estimate.motion_told else partial(self._unseen, estimate)
         weigh = partial(_weighed, white_m2) if _is_way_known(estimate, measurement) else None
         probability = self._probability(estimate, fix.t_ns)
-        policy = Policy(probability, second_look=second_look, weigh=weigh)
+        policy = Policy(probability, second_look=look, weigh=weigh)
         outcome = try_measurement(estimate, measurement, fix.t_ns, policy)
         if not outcome.is_accepted:
             self._wait(estimate, fix, place_m, measurement, outcome)
@@ -153,7 +158,8 @@ class Position:
     def _probability(self, estimate: Estimate, t_ns: int) -> float:
         """After a long outage a position that is none too likely waits until others confirm it."""
         tuning = estimate.tuning
-        is_lost = self._unaided_s(estimate, t_ns) > tuning.relock_outage_s
+        outage_s = max(tuning.relock_outage_s, OUTAGE_INTERVALS * estimate.situation.fix_interval_s)
+        is_lost = self._unaided_s(estimate, t_ns) > outage_s
         return tuning.reacquire_probability if is_lost else tuning.gate_probability
 
     def _wait(
@@ -168,6 +174,8 @@ class Position:
         situation, tuning = estimate.situation, estimate.tuning
         off_m = (float(outcome.off[0]), float(outcome.off[1]))
         within_m = max(AGREEING_M, AGREEING_STDS * fix.std_m)
+        if situation.fix_interval_s > OFTEN_S:
+            within_m = max(within_m, AGREEING_SHARE * math.hypot(*off_m))
         alike = partial(are_alike, within_m + self._strayed_m(estimate))
         agreement = rejected(
             self.evidence.agreement, fix.t_ns, off_m, alike, estimate.rejected_forgotten_ns
@@ -179,6 +187,8 @@ class Position:
         wait_s = patience_s(unaided_s, supported_s, tuning, is_likely=is_likely)
         if not estimate.gyro.covers(fix.t_ns):
             wait_s = min(wait_s, tuning.relock_without_gyro_s)
+        if situation.fix_interval_s > OFTEN_S:
+            wait_s = min(wait_s, tuning.relock_after_outage_s)
         if agreement.agreed_s < wait_s:
             return
         if is_likely:

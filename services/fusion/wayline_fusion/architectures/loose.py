@@ -12,7 +12,6 @@ from wayline_fusion.aids.displacement import Displacement
 from wayline_fusion.aids.gyro_restart import GyroRestart
 from wayline_fusion.aids.gyro_wander import GyroWander
 from wayline_fusion.aids.gyro_warmth import GyroWarmth
-from wayline_fusion.aids.in_turn import InTurn
 from wayline_fusion.aids.kept_pose import KeptPose
 from wayline_fusion.aids.long_way import LongWay
 from wayline_fusion.aids.manoeuvre import allow_manoeuvre
@@ -32,6 +31,7 @@ from wayline_fusion.intake.events import (
     Event,
     Fix,
     FixInterval,
+    FixSeen,
     FixTaken,
     GpsCourse,
     GpsPosition,
@@ -114,7 +114,8 @@ def aids() -> Mapping[type[Event], Aid]:
         GpsCourse: Course(allow_turn),
         GyroCheck: GyroWander(),
         GpsPosition: Position(allow_unseen),
-        FixTaken: InTurn(Alignment(), Displacement()),
+        FixSeen: Alignment(),
+        FixTaken: Displacement(),
         WheelSpeed: Wheels(allow_manoeuvre),
         Elapsed: Rest(),
         GyroRestarted: GyroRestart(),

@@ -31,6 +31,8 @@ UNSURE_HEADING_RAD = math.radians(20.0)
 """A way in a direction as unsure is off by more than derivatives say."""
 REFLECTED_S = 30.0
 """What fixes are off by more than they claim are reflections, which change along the street."""
+OFTEN_S = 5.0
+"""Between fixes that are enough for the shape of a way."""
 COURSE_HELD_S = 60.0
 """A vehicle that stands for longer may have a course again, or not."""
 LONGEST_STEP_NS = 500_000_000
@@ -197,6 +199,20 @@ class Estimate:
         """Whether there is a recent wheel speed."""
         wheels_ns = self.situation.wheels_ns
         return wheels_ns is not None and self.t_ns - wheels_ns <= WHEELS_FRESH_NS
+
+    @property
+    def motion_told(self) -> bool:
+        """Whether a gyro tells the turns, and wheels or receiver the speed."""
+        return self.gyro.covers(self.t_ns) and (self.wheels_fresh or self.speeds_told)
+
+    def way_reckoned(self, *, tells_speed: bool) -> bool:
+        """Whether the way from fix to fix is told by gyro and speed, and by no courses.
+
+        Fixes that come seldom are too few for its shape.
+        """
+        if self.courses_told or self.situation.fix_interval_s > OFTEN_S:
+            return False
+        return (self.wheels_fresh or tells_speed) and self.gyro.covers(self.t_ns)
 
     @property
     def speeds_told(self) -> bool:

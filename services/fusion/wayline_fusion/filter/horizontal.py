@@ -314,7 +314,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P[state, :] = self.P[:, state] = 0.0
         self.P[state, state] = std**2
 
-    def inflate(self, state: int, std: float) -> None:
+    def inflate_std(self, state: int, std: float) -> None:
         """Doubt one state by so much more, and keep what it has to do with others."""
         self.P = self.P.copy()
         self.P[state, state] += std**2

@@ -82,6 +82,16 @@ class GpsPosition(msgspec.Struct, frozen=True, gc=False):
     is_good: bool = True
 
 
+class FixSeen(msgspec.Struct, frozen=True, gc=False):
+    """A position, believed or not, that lies somewhere along the reckoned way."""
+
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
+    std_m: float
+    tells_speed: bool
+
+
 class FixTaken(msgspec.Struct, frozen=True, gc=False):
     """A position has been tried, and can be held against those before."""
 
@@ -141,6 +151,7 @@ Event = (
     | GpsCourse
     | GyroCheck
     | GpsPosition
+    | FixSeen
     | FixTaken
     | GpsAltitude
     | Pressure
@@ -160,6 +171,7 @@ def parts_of(fix: Fix) -> tuple[Event, ...]:
     tells_speed = fix.speed_mps is not None and not fix.speed_derived
     place: tuple[Event, ...] = (
         GpsPosition(t_ns, fix.lat_deg, fix.lon_deg, std_m, fix.is_good),
+        FixSeen(t_ns, fix.lat_deg, fix.lon_deg, std_m, tells_speed),
         FixTaken(t_ns, fix.lat_deg, fix.lon_deg, std_m, tells_speed),
     )
     if fix.speed_mps is None or not tells_speed:
