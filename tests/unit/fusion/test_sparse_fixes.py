@@ -163,6 +163,24 @@ def gently(seconds: float) -> tuple[float, float]:
     return 15.0, 3.0 * math.sin(seconds / 9.0)
 
 
+def zigzag(seconds: float) -> tuple[float, float]:
+    """Blocks of a town: a right angle to the left or to the right every forty seconds."""
+    rate_degps = 30.0 if seconds % 40.0 < 3.0 else 0.0
+    return 10.0, rate_degps if seconds % 80.0 < 40.0 else -rate_degps
+
+
+def test_a_report_s_heading_moves_no_pose_away_from_the_report() -> None:
+    truths, messages = driven(zigzag, 601.0)
+    reports = [
+        msgspec.structs.replace(report, course_deg=truth_at(report.t_ns, truths).heading_deg)
+        for report in thinned(messages, 30, ["speed_mps"])
+    ]
+    out, poses = fused(reports)
+    assert refused(out) == []
+    at_reports = [pose for pose in poses if round(seconds_of(pose.t_ns)) % 30 == 0]
+    assert max(error_m(pose, truths) for pose in at_reports) < 10.0
+
+
 @pytest.mark.parametrize(("motion", "can"), [(gently, False), (winding, True)])
 def test_a_speed_without_a_course_gets_a_heading_after_two_hundred_metres(
     motion: Motion, *, can: bool

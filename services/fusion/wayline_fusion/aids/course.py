@@ -86,7 +86,8 @@ class Course:
         """Where no gyro has told of a turn, the way since the last course was no straight line."""
         before = estimate.situation.course
         if before is not None and not estimate.gyro.covers(t_ns):
-            estimate.filter.inflate_arc(off_rad, (t_ns - before.t_ns) * 1e-9)
+            since_ns = max(before.t_ns, estimate.situation.accepted_fix_ns or 0)
+            estimate.filter.inflate_arc(off_rad, (t_ns - since_ns) * 1e-9)
 
     def _wait(self, estimate: Estimate, t_ns: int, off_rad: float) -> None:
         """Remember a rejected course; believe it when others have agreed for long enough."""

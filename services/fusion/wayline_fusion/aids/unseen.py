@@ -28,7 +28,9 @@ def allow_turn(estimate: Estimate, off_rad: float, speed_mps: float, since_ns: i
     rate_radps = min(speed_mps / TIGHTEST_M, HARDEST_MPS2 / max(speed_mps, 0.1))
     if abs(off_rad) > rate_radps * over_s:
         return False
-    estimate.filter.inflate_turn(min(abs(off_rad), math.pi), over_s)
+    # where a position has been believed since, the way to it is not in question
+    way_ns = estimate.t_ns - max(since_ns, estimate.situation.accepted_fix_ns or 0)
+    estimate.filter.inflate_turn(min(abs(off_rad), math.pi), way_ns * 1e-9)
     return True
 
 
