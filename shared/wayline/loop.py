@@ -107,6 +107,8 @@ class Loop:
                     self._take(item, now_s)
                     self._ahead -= 1
                 self._let_time_pass(now_s)
+                if self._service.store is not None:
+                    self._service.store.hand_over()
                 if now_s >= next_health_s:
                     next_health_s = now_s + HEALTH_S
                     self._forget_the_silent(now_s)
@@ -130,6 +132,9 @@ class Loop:
     def _open(self, stack: contextlib.ExitStack) -> None:
         service, settings = self._service, self._settings
         served = settings.served()
+        if service.store is not None:
+            service.store.start(self._ended.set)
+            stack.callback(service.store.close)
         if service.make_app is not None:
             app = service.make_app(self.healthz, self._telemetry)
             server = HttpServer(app, settings.http_of(service.name))
@@ -295,7 +300,8 @@ class Loop:
 
     def _tell_health(self) -> None:
         service, inbox = self._service, self._inbox
-        details = joined([feed.detail for feed in service.feeds if feed.detail])
+        reporting = (*service.feeds, service.store)
+        details = joined([each.detail for each in reporting if each and each.detail])
         health = self._health = self._telemetry.health(
             time.time_ns(),
             inbox.backlog,
