@@ -243,10 +243,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def reset_heading(self, heading_rad: float, std_rad: float) -> None:
         """Set the heading, forgetting what it was."""
-        self.x, self.P = self.x.copy(), self.P.copy()
-        self.x[S.HEADING] = wrap_pi(heading_rad)
-        self.P[S.HEADING, :] = self.P[:, S.HEADING] = 0.0
-        self.P[S.HEADING, S.HEADING] = std_rad**2
+        self._reset_value(S.HEADING, wrap_pi(heading_rad), std_rad)
 
     def reset_reckoning(
         self, values: tuple[float, float, float, float], covariance: Floats
@@ -270,10 +267,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def reset_speed(self) -> None:
         """Forget the speed: noise has made it negative, and no wheel has said reverse."""
-        self.x, self.P = self.x.copy(), self.P.copy()
-        self.x[S.WHEEL_SPEED] = 0.0
-        self.P[S.WHEEL_SPEED, :] = self.P[:, S.WHEEL_SPEED] = 0.0
-        self.P[S.WHEEL_SPEED, S.WHEEL_SPEED] = self._tuning.acceleration_noise_mps_per_sqrt_s**2
+        self._reset_value(S.WHEEL_SPEED, 0.0, self._tuning.acceleration_noise_mps_per_sqrt_s)
 
     def mirror(self) -> None:
         """Turn the heading round and change the speed's sign: the same motion, told forwards."""
@@ -303,10 +297,12 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def reset_scale(self, wheels_mps: float, std: float) -> None:
         """Set the odometer's scale to what makes the speed of a wheel speed that comes next."""
-        scale = abs(self.speed_mps / wheels_mps)
-        self.reset_std(S.ODOMETER_SCALE, std)
+        self._reset_value(S.ODOMETER_SCALE, abs(self.speed_mps / wheels_mps), std)
+
+    def _reset_value(self, state: int, value: float, std: float) -> None:
+        self.reset_std(state, std)
         self.x = self.x.copy()
-        self.x[S.ODOMETER_SCALE] = scale
+        self.x[state] = value
 
     def reset_std(self, state: int, std: float) -> None:
         """Keep a state's value, trust it so much, and forget what it has to do with others."""
@@ -321,9 +317,8 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def inflate_position(self, std_m: float) -> None:
         """Doubt the position: dead reckoning has gone astray by about so much."""
-        self.P = self.P.copy()
-        self.P[S.EAST, S.EAST] += std_m**2
-        self.P[S.NORTH, S.NORTH] += std_m**2
+        self.inflate_std(S.EAST, std_m)
+        self.inflate_std(S.NORTH, std_m)
 
     def reset_way(self) -> None:
         """Forget what the position has to do with how the vehicle has come there; keep its std.
