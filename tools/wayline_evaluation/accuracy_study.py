@@ -17,6 +17,7 @@ from wayline_evaluation.replays import (
 )
 from wayline_evaluation.told import told, told_of_all
 from wayline_replay.outages import Outage
+from wayline_replay.withheld import Withheld
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +28,7 @@ class Run:
     outages: tuple[Outage, ...]
     keep: Path | None
     yardstick: bool
+    withheld: Withheld
 
 
 def accuracy_study(
@@ -36,7 +38,8 @@ def accuracy_study(
     if options.yardstick:
         told_of_all(folders)
     runs = [
-        Run(folder, tuple(outages), options.keep(folder), options.yardstick) for folder in folders
+        Run(folder, tuple(outages), options.keep(folder), options.yardstick, options.withheld)
+        for folder in folders
     ]
     drives = list(done_by(_scored, runs, options.jobs, progressed))
     one_kind([drive.reference for drive in drives])
@@ -44,7 +47,7 @@ def accuracy_study(
 
 
 def _scored(run: Run) -> ScoredDrive:
-    there = replayed(run.folder, run.outages, run.keep)
+    there = replayed(run.folder, run.outages, run.keep, withheld=run.withheld)
     reference = truth_of(run.folder)
     if reference is None:
         undisturbed = replayed(run.folder, (), None) if run.outages else there

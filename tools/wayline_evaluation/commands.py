@@ -35,6 +35,13 @@ Yardstick = Annotated[
     typer.Option("--yardstick", help="Compare with a filter that is told a simulation's noise."),
 ]
 
+Without = Annotated[
+    str | None,
+    typer.Option(metavar="PART,...", help="Withhold these: can, gyro, course, speed (of fixes)."),
+]
+EVERY_S = (5.0, 15.0, 30.0, 60.0)
+"""As trackers, phones and transit systems report."""
+
 
 @evaluate_app.command("accuracy")
 def accuracy_command(
@@ -47,6 +54,7 @@ def accuracy_command(
             help="Take GPS away for a while, counted from the drive's start; may be repeated.",
         ),
     ] = None,
+    without: Without = None,
     out: Out = None,
     json: Json = None,
     plot: Plot = None,
@@ -60,13 +68,14 @@ def accuracy_command(
     from wayline_evaluation.tables import accuracy_tables
     from wayline_replay.outages import parse_outage
     from wayline_replay.stream import check_outages_of
+    from wayline_replay.withheld import withheld_of
 
     outages = [parse_outage(text) for text in gps_outage or []]
     check_targets(json, plot)
     for drive in drives:
         check_outages_of(drive, outages)
     with progress() as progressed:
-        options = Options(out=out, jobs=jobs, yardstick=yardstick)
+        options = Options(out, jobs, yardstick, withheld_of(without))
         report, scored = accuracy_study(drives, outages, options, progressed)
     _tell(accuracy_tables(report), report, json)
     if plot is not None:
@@ -94,6 +103,7 @@ def outages_command(
             help="Compare these: loose, uncoupled, gps_only, gps_only_modified; papers/001 beside.",
         ),
     ] = None,
+    without: Without = None,
     out: Out = None,
     json: Json = None,
     plot: Plot = None,
@@ -106,6 +116,7 @@ def outages_command(
     from wayline_evaluation.plots import plot_outages
     from wayline_evaluation.replays import Options
     from wayline_evaluation.tables import architecture_tables, outage_tables
+    from wayline_replay.withheld import withheld_of
 
     check_targets(json, plot)
     lengths_s = tuple(length or (60.0,))
@@ -114,13 +125,43 @@ def outages_command(
     compared = () if architectures is None else architectures_of(architectures)
     plan = OutagePlan(lengths_s, every, start, passes, compared)
     with progress() as progressed:
-        options = Options(out=out, jobs=jobs, yardstick=yardstick)
+        options = Options(out, jobs, yardstick, withheld_of(without))
         report = outage_study(drives, plan, options, progressed)
     _tell((architecture_tables if compared else outage_tables)(report), report, json)
     if plot is not None and compared:
         plot_growth(report.growths, plot)
     elif plot is not None:
         plot_outages(report, plot)
+
+
+@evaluate_app.command("sparse")
+def sparse_command(
+    drives: Drives,
+    *,
+    every: Annotated[
+        list[float] | None,
+        typer.Option(min=0.0, help="Seconds from fix to fix [default: 5 15 30 60]; repeatable."),
+    ] = None,
+    without: Without = None,
+    out: Out = None,
+    json: Json = None,
+    plot: Plot = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Errors at fixes that come seldom, as trackers report them, and before the next one."""
+    from wayline_evaluation.replays import Options
+    from wayline_evaluation.sparse_plot import plot_sparse
+    from wayline_evaluation.sparse_study import sparse_study
+    from wayline_evaluation.sparse_table import sparse_table
+    from wayline_replay.withheld import withheld_of
+
+    check_targets(json, plot)
+    with progress() as progressed:
+        options = Options(out=out, jobs=jobs, withheld=withheld_of(without))
+        report, shown = sparse_study(drives, tuple(every or EVERY_S), options, progressed)
+    _tell([sparse_table(report)], report, json)
+    if plot is not None:
+        plot_sparse(shown, plot)
 
 
 @evaluate_app.command("slope")

@@ -28,6 +28,7 @@ from wayline_evaluation.replays import (
 )
 from wayline_evaluation.told import told, told_of_all
 from wayline_replay.outages import Outage
+from wayline_replay.withheld import Withheld
 
 BETWEEN_S = 120.0
 """With GPS from one outage to the next where the user says nothing: time to calibrate again."""
@@ -69,6 +70,7 @@ class Pass:
     architecture: ArchitectureName | None
     keep: Path | None
     yardstick: bool
+    withheld: Withheld
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,11 +129,20 @@ def _passes(folder: Path, run: Replayed, plan: OutagePlan, options: Options) -> 
                 keep = options.keep(folder, part)
                 yardstick = options.yardstick and place == 0
                 if outages:
-                    yield Pass(folder, run, tuple(outages), number, architecture, keep, yardstick)
+                    yield Pass(
+                        folder,
+                        run,
+                        tuple(outages),
+                        number,
+                        architecture,
+                        keep,
+                        yardstick,
+                        options.withheld,
+                    )
 
 
 def _scored(one: Pass) -> PassScores:
-    run = replayed(one.folder, one.outages, one.keep, one.architecture)
+    run = replayed(one.folder, one.outages, one.keep, one.architecture, one.withheld)
     before = one.undisturbed
     reference = truth_of(one.folder) or fixes_reference(before.fixes, before.estimates)
     filters: dict[str, Estimates] = {one.architecture or "fusion": run.estimates}

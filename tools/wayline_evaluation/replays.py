@@ -12,13 +12,24 @@ import msgspec
 
 from wayline.drive_file import load_drive
 from wayline.errors import InputError
-from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Pose, Torque
+from wayline.messages import (
+    Barometer,
+    FusionStatus,
+    GpsFix,
+    Gyro,
+    Message,
+    Odometer,
+    Pose,
+    Torque,
+    Verdict,
+)
 from wayline.tuning import ArchitectureName
 from wayline_evaluation.estimates import Estimates, estimates_of
 from wayline_evaluation.reference import Kind, Reference
 from wayline_evaluation.truth import read_truth
 from wayline_replay.outages import Outage
 from wayline_replay.replay import replay
+from wayline_replay.withheld import NOTHING, Withheld
 
 Progressed = Callable[[int, int], None]
 """Called with how many replays of how many are done."""
@@ -39,6 +50,7 @@ class Options:
     jobs: int = 1
     """Processes at a time."""
     yardstick: bool = False
+    withheld: Withheld = NOTHING
 
     def keep(self, folder: Path, part: str = "") -> Path | None:
         """Where a replay of a drive is kept."""
@@ -55,6 +67,9 @@ class Replayed:
     end_s: float
     estimates: Estimates
     fixes: tuple[GpsFix, ...]
+    verdicts: tuple[Verdict, ...]
+    lost_share: float
+    """Of the poses."""
 
 
 def replayed(
@@ -62,15 +77,14 @@ def replayed(
     outages: Sequence[Outage],
     keep: Path | None,
     architecture: ArchitectureName | None = None,
+    withheld: Withheld = NOTHING,
 ) -> Replayed:
     """Replay a drive into `keep`, or into a folder that is gone afterwards. Raises InputError."""
-    if keep is not None:
-        replay(folder, keep, outages=outages, architecture=architecture)
-        return read_replay(folder, keep)
-    with tempfile.TemporaryDirectory(prefix="wayline-evaluate-") as temporary:
-        out = Path(temporary)
-        replay(folder, out, outages=outages, architecture=architecture)
-        return read_replay(folder, out)
+    if keep is None:
+        with tempfile.TemporaryDirectory(prefix="wayline-evaluate-") as temporary:
+            return replayed(folder, outages, Path(temporary), architecture, withheld)
+    replay(folder, keep, outages=outages, architecture=architecture, withheld=withheld)
+    return read_replay(folder, keep)
 
 
 def read_replay(folder: Path, out: Path) -> Replayed:
@@ -84,6 +98,10 @@ def read_replay(folder: Path, out: Path) -> Replayed:
         end_s=poses[-1].t_ns * 1e-9,
         estimates=estimates_of(poses),
         fixes=tuple(read_topic(out, GpsFix)),
+        verdicts=tuple(
+            each for status in read_topic(out, FusionStatus) for each in status.verdicts
+        ),
+        lost_share=sum(pose.mode == "lost" for pose in poses) / len(poses),
     )
 
 

@@ -16,6 +16,7 @@ from wayline.tuning import ArchitectureName
 from wayline_replay.outages import Outage, with_outages
 from wayline_replay.parts import nodes
 from wayline_replay.stream import DriveStream
+from wayline_replay.withheld import NOTHING, Withheld, without
 
 Progressed = Callable[[float], None]
 """Called now and then with the seconds of the drive replayed so far."""
@@ -47,6 +48,7 @@ def replay(
     out: Path,
     *,
     outages: Sequence[Outage] = (),
+    withheld: Withheld = NOTHING,
     database_url: str | None = None,
     route_path: Path | None = None,
     architecture: ArchitectureName | None = None,
@@ -68,7 +70,8 @@ def replay(
         route_path = Path(drive.route.path)
     route = load_route(route_path) if route_path else None
     stream = DriveStream(drive, str(folder))
-    messages = with_outages(stream, outages) if outages else iter(stream)
+    messages = without(stream, withheld)
+    messages = with_outages(messages, outages) if outages else messages
     with JsonLines(out, drive.drive.vehicle_id) as lines:
         span = _Span(lines.write)
         pipeline = Pipeline(nodes(ReplayedDrive(drive, route, database_url)), span.publish)
