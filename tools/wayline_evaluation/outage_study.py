@@ -17,10 +17,10 @@ from wayline_evaluation.outages import (
     score_outage,
 )
 from wayline_evaluation.reference import Kind, fixes_reference
+from wayline_evaluation.replay_result import Replayed
 from wayline_evaluation.replays import (
     Options,
     Progressed,
-    Replayed,
     done_by,
     one_kind,
     replayed,

@@ -21,11 +21,11 @@ from wayline.messages import (
     Odometer,
     Pose,
     Torque,
-    Verdict,
 )
 from wayline.tuning import ArchitectureName
-from wayline_evaluation.estimates import Estimates, estimates_of
+from wayline_evaluation.estimates import estimates_of
 from wayline_evaluation.reference import Kind, Reference
+from wayline_evaluation.replay_result import Replayed
 from wayline_evaluation.truth import read_truth
 from wayline_replay.outages import Outage
 from wayline_replay.replay import replay
@@ -55,21 +55,6 @@ class Options:
     def keep(self, folder: Path, part: str = "") -> Path | None:
         """Where a replay of a drive is kept."""
         return None if self.out is None else self.out / drive_name(folder) / part
-
-
-@dataclass(frozen=True, slots=True)
-class Replayed:
-    """What a replay said, and what it was given of GPS."""
-
-    drive: str
-    start_s: float
-    """Smallest t_ns of the drive's input, Unix seconds; outages are counted from it."""
-    end_s: float
-    estimates: Estimates
-    fixes: tuple[GpsFix, ...]
-    verdicts: tuple[Verdict, ...]
-    lost_share: float
-    """Of the poses."""
 
 
 def replayed(

@@ -8,7 +8,8 @@ from typing import NamedTuple
 from wayline_evaluation.outages import OutageScore, score_outage
 from wayline_evaluation.pose_errors import PoseErrors, compared
 from wayline_evaluation.reference import Reference
-from wayline_evaluation.replays import Progressed, Replayed, done_by, needed_truth, read_replay
+from wayline_evaluation.replay_result import Replayed
+from wayline_evaluation.replays import Progressed, done_by, needed_truth, read_replay
 from wayline_evaluation.scenario_bars import (
     canyon_ratio,
     cluster,

@@ -12,7 +12,7 @@ from wayline_evaluation.estimates import Floats
 from wayline_evaluation.figures import Figures, Inside, consistency_of, figures_of
 from wayline_evaluation.pose_errors import PoseErrors, pose_errors
 from wayline_evaluation.reference import Kind, Reference
-from wayline_evaluation.replays import Replayed
+from wayline_evaluation.replay_result import Replayed
 
 SETTLED_S = 0.2
 """A pose of the ten a second that is so much later has heard of the fix."""

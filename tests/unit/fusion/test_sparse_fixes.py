@@ -124,6 +124,31 @@ def test_a_fix_that_is_missing_is_told_by_the_source_s_own_interval() -> None:
     assert modes[332] == "lost"
 
 
+def starts_round_a_corner(seconds: float) -> tuple[float, float]:
+    """Minute after minute: stand, drive off, turn right by 90 degrees while that is slow."""
+    within_s = seconds % 60.0
+    if within_s < 20.0:
+        return 0.0, 0.0
+    if within_s < 32.0:
+        return min(within_s - 20.0, 12.0), 30.0 if 21.0 <= within_s < 24.0 else 0.0
+    return 12.0 if within_s < 50.0 else max(12.0 - 1.5 * (within_s - 50.0), 0.0), 0.0
+
+
+def test_velocities_lead_from_fix_to_fix_where_positions_are_worth_little() -> None:
+    """Every 5 s; but for the first minute positions are vague, speed and course are good."""
+    truths, messages = driven(starts_round_a_corner, 300.0)
+    told = [
+        msgspec.structs.replace(message, h_std_m=100.0)
+        if isinstance(message, GpsFix) and seconds_of(message.t_ns) > 62.0
+        else message
+        for message in thinned(messages, 5)
+    ]
+    _, poses = fused(told)
+    at_fixes = [pose for pose in poses if seconds_of(pose.t_ns) % 5 < 0.01]
+    errors_m = sorted(error_m(pose, truths) for pose in at_fixes[2:])
+    assert errors_m[round(0.9 * len(errors_m))] < 8.0
+
+
 @pytest.mark.parametrize("every_s", [30, 60])
 def test_with_wheels_and_gyro_seldom_fixes_are_believed_and_predicted(every_s: int) -> None:
     truths = truth_of(winding, 1199.0)

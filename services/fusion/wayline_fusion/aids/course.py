@@ -126,7 +126,7 @@ def _learn_doppler(
     """Across the direction of travel Doppler is as noisy as along it."""
     if course.std_rad is not None or not estimate.gyro.covers(course.t_ns):
         return
-    claimed = (course.speed_std_mps / speed_mps) ** 2
+    claimed = (_doppler_mps(estimate, course) / speed_mps) ** 2
     noise = estimate.learned.doppler_noise
     other = float(measurement.R[0, 0]) - noise.factor * claimed
     predicted = float(estimate.filter.expected(measurement)[0, 0]) + other
@@ -140,13 +140,21 @@ def _timed(estimate: Estimate, course: GpsCourse) -> GpsCourse:
         return course
     std_rad = max(course.std_rad or 0.0, UNTIMED_STD_RAD)
     speed_mps = abs(estimate.filter.speed_mps)
-    return GpsCourse(course.t_ns, course.course_rad, std_rad, speed_mps, course.speed_std_mps)
+    stds_mps = course.speed_std_mps, course.own_speed_std_mps
+    return GpsCourse(course.t_ns, course.course_rad, std_rad, speed_mps, *stds_mps)
 
 
 def _std_rad(estimate: Estimate, course: GpsCourse, speed_mps: float, rate_radps: float) -> float:
     """Doppler across the direction of travel, mounting, and what turning adds."""
     tuning = estimate.tuning
     noise = math.sqrt(estimate.learned.doppler_noise.factor)
-    doppler_rad = course.std_rad or course.speed_std_mps * noise / speed_mps
+    doppler_rad = course.std_rad or _doppler_mps(estimate, course) * noise / speed_mps
     turning_rad = rate_radps * (tuning.antenna_lever_m / speed_mps + tuning.gps_time_std_s)
     return math.hypot(doppler_rad, math.radians(tuning.gps_course_std_deg), turning_rad)
+
+
+def _doppler_mps(estimate: Estimate, course: GpsCourse) -> float:
+    """Across the direction of travel, before its noise was learned."""
+    across_mps = abs(estimate.filter.speed_mps) * estimate.filter.std(States.HEADING)
+    is_better = across_mps > course.own_speed_std_mps
+    return course.own_speed_std_mps if is_better else course.speed_std_mps

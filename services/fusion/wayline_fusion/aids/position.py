@@ -112,6 +112,8 @@ class Position:
 
     def _accepted(self, estimate: Estimate, t_ns: int) -> None:
         estimate.know(accepted_fix_ns=t_ns)
+        if estimate.situation.waypoint is not None:
+            estimate.pass_waypoint()
         self.evidence = msgspec.structs.replace(self.evidence, agreement=None)
 
     def _place(

@@ -43,7 +43,8 @@ class Speed:
         noise, tuning = estimate.learned.doppler_noise, estimate.tuning
         if not estimate.wheels_fresh and estimate.filter.x[States.WHEEL_SPEED] < 0.0:
             estimate.filter.reset_speed()
-        std_mps = speed.std_mps * math.sqrt(noise.factor)
+        claimed_mps = estimate.doppler_std_mps(speed.std_mps, speed.own_std_mps)
+        std_mps = claimed_mps * math.sqrt(noise.factor)
         measurement = measurements.gps_speed(estimate.filter.x, speed.speed_mps, std_mps)
 
         def second_look(unlikely: Measurement) -> bool:
@@ -55,7 +56,7 @@ class Speed:
         if speed.speed_mps >= tuning.course_speed_min_mps:
             least = NOISE_FACTOR_MIN if estimate.wheels_fresh else NOISE_FACTOR_MIN_ALONE
             square, predicted = float(outcome.off[0]) ** 2, float(outcome.expected[0, 0])
-            estimate.learn(doppler_noise=noise.learned(square, predicted, speed.std_mps**2, least))
+            estimate.learn(doppler_noise=noise.learned(square, predicted, claimed_mps**2, least))
         if outcome.is_accepted:
             self.evidence = SpeedEvidence()
             estimate.know(speed_accepted_ns=speed.t_ns)

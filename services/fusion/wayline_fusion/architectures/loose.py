@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from wayline.tuning import Tuning
 from wayline_fusion.aids.alignment import Alignment
+from wayline_fusion.aids.bridge import Bridge
 from wayline_fusion.aids.clock_jump import ClockJump
 from wayline_fusion.aids.course import Course
 from wayline_fusion.aids.displacement import Displacement
@@ -39,6 +40,7 @@ from wayline_fusion.intake.events import (
     GyroCheck,
     GyroRestarted,
     GyroWarmed,
+    VelocityTold,
     WheelSpeed,
 )
 
@@ -113,6 +115,7 @@ def aids() -> Mapping[type[Event], Aid]:
         GpsSpeed: Speed(allow_manoeuvre),
         GpsCourse: Course(allow_turn),
         GyroCheck: GyroWander(),
+        VelocityTold: Bridge(),
         GpsPosition: Position(allow_unseen),
         FixSeen: Alignment(),
         FixTaken: Displacement(),

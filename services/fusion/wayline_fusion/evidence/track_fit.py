@@ -23,6 +23,8 @@ SPAN_NS = 90_000_000_000
 """Older fixes are forgotten: a gyro's bias bends a longer way."""
 SEEN_MAX = 90
 FITTED_MIN = 5
+PLACED_S = 30.0
+"""The newest fixes tell where the way ends: reckoning drifts, and fixes become wrong anew."""
 FITTED = 3.0
 """Numbers that a fit takes: a shift and a turn."""
 FREE_SHARE_MIN = 0.25
@@ -121,13 +123,16 @@ class Track(msgspec.Struct, frozen=True):
                 [0.0, 0.0, 0.0, 1.0],
             ]
         )
+        newest = times_s >= times_s[-1] - PLACED_S
+        astray_m = complex(np.mean((left - moves @ solved.solution)[newest]))
+        placed = max(min(told, PLACED_S / CORRELATED_S), 1.0)
         fitted = np.zeros((4, 4))
-        fitted[:2, :2] = max(noise_m, claimed_m) ** 2 / told * np.eye(2)
+        fitted[:2, :2] = max(noise_m, claimed_m) ** 2 / placed * np.eye(2)
         fitted[2:, 2:] = solved.covariance
         return Fit(
             noise_m,
             -cmath.phase(turned) + rate_radps * middle_s,
-            complex(fix_m + turned * here_m + moves[-1, 1] * rate_radps),
+            complex(fix_m + turned * here_m + moves[-1, 1] * rate_radps + astray_m),
             bias_radps + rate_radps,
             by_fitted @ fitted @ by_fitted.T,
             len(left),

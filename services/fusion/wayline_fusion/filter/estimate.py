@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 import msgspec
+import numpy as np
 
 from wayline.agreement import FORGOTTEN_AFTER_NS
 from wayline.geo import wrap_360
@@ -15,9 +16,9 @@ from wayline.tuning import Tuning
 from wayline_fusion.evidence.learned import Learned
 from wayline_fusion.filter.gate import Outcome, verdict
 from wayline_fusion.filter.gyro_track import GyroTrack
-from wayline_fusion.filter.horizontal import DrivingNoise, HorizontalFilter
+from wayline_fusion.filter.horizontal import OF_FIX, DrivingNoise, HorizontalFilter
 from wayline_fusion.filter.plane import RADIUS_M, moved_along
-from wayline_fusion.filter.situation import Situation
+from wayline_fusion.filter.situation import Situation, Velocity, Waypoint
 from wayline_fusion.filter.states import Floats, States
 from wayline_fusion.intake.events import Elapsed, Event
 
@@ -253,6 +254,14 @@ class Estimate:
         """Heading, true, clockwise from north."""
         return wrap_360(math.degrees(float(self.filter.x[States.HEADING])))
 
+    def doppler_std_mps(self, ignoring_mps: float, own_mps: float) -> float:
+        """Of a receiver's speed as it is to count, before its noise was learned.
+
+        A bad fix is all but ignored (papers/003), as long as what is known without it is any better
+        than what its own dilution says of it.
+        """
+        return own_mps if self.filter.speed_std_mps > own_mps else ignoring_mps
+
     def know(self, **changes: object) -> None:
         """Replace some of what is known of the situation."""
         self.situation = msgspec.structs.replace(self.situation, **changes)
@@ -260,6 +269,19 @@ class Estimate:
     def learn(self, **changes: object) -> None:
         """Replace some of what has been learned."""
         self.learned = msgspec.structs.replace(self.learned, **changes)
+
+    def velocity(self) -> Velocity:
+        """How the vehicle moves."""
+        kalman = self.filter
+        heading_rad, std_rad = float(kalman.x[States.HEADING]), kalman.std(States.HEADING)
+        return Velocity(kalman.speed_mps, kalman.speed_std_mps, heading_rad, std_rad)
+
+    def pass_waypoint(self) -> None:
+        """Remember where the vehicle is, and how it moves."""
+        place_deg = self.geodetic()
+        if place_deg is not None:
+            covariance = self.filter.P[np.ix_(OF_FIX, OF_FIX)]
+            self.know(waypoint=Waypoint(self.t_ns, *place_deg, covariance, self.velocity()))
 
     def driving_noise(self) -> DrivingNoise:
         """What is known of this gyro, learned or configured."""

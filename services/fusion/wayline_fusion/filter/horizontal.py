@@ -27,6 +27,8 @@ S = States
 
 OF_MOTION = (S.EAST, S.NORTH, S.HEADING, S.WHEEL_SPEED, S.ACCELERATION, S.GPS_EAST, S.GPS_NORTH)
 """All but the sensors' calibration."""
+OF_PLACE = (S.EAST, S.NORTH)
+OF_FIX = (*OF_PLACE, S.GPS_EAST, S.GPS_NORTH)
 OF_RECKONING = (S.EAST, S.NORTH, S.HEADING, S.GYRO_BIAS)
 SPEED_UNKNOWN_MPS = 40.0
 """Std of a speed that may be any."""
@@ -327,10 +329,20 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         stretches it by more than their derivatives say.
         """
         self.P = self.P.copy()
-        for state in (S.EAST, S.NORTH):
+        for state in OF_PLACE:
             variance = self.P[state, state]
             self.P[state, :] = self.P[:, state] = 0.0
             self.P[state, state] = variance
+
+    def reset_place(self, east_m: float, north_m: float, covariance: Floats) -> None:
+        """Set the position, forgetting how the vehicle came there.
+
+        The covariance is that of `OF_FIX`: the fixes' slow error is what the position shares.
+        """
+        self.x, self.P = self.x.copy(), self.P.copy()
+        self.x[S.EAST], self.x[S.NORTH] = east_m, north_m
+        self.P[OF_FIX, :] = self.P[:, OF_FIX] = 0.0
+        self.P[np.ix_(OF_FIX, OF_FIX)] = covariance
 
     def inflate_turn(self, turned_rad: float, over_s: float) -> None:
         """Doubt the heading: the vehicle may have turned so far at an even rate."""

@@ -37,6 +37,8 @@ class Fix(msgspec.Struct, frozen=True, gc=False):
     position_std_m: float
     speed_mps: float | None
     speed_std_mps: float
+    own_speed_std_mps: float
+    """Without what makes a bad fix count for less."""
     course_rad: float | None
     course_std_rad: float | None
     """None: from the speed's std."""
@@ -53,6 +55,8 @@ class GpsSpeed(msgspec.Struct, frozen=True, gc=False):
     t_ns: int
     speed_mps: float
     std_mps: float
+    own_std_mps: float
+    """By the fix's own dilution: a bad one's `std_mps` all but ignores it (papers/003)."""
 
 
 class GpsCourse(msgspec.Struct, frozen=True, gc=False):
@@ -64,10 +68,17 @@ class GpsCourse(msgspec.Struct, frozen=True, gc=False):
     """None: from the speed's std."""
     speed_mps: float | None
     speed_std_mps: float
+    own_speed_std_mps: float
 
 
 class GyroCheck(msgspec.Struct, frozen=True, gc=False):
     """A course has been taken in, and can be held against the turn that the gyro has measured."""
+
+    t_ns: int
+
+
+class VelocityTold(msgspec.Struct, frozen=True, gc=False):
+    """Speed and course of a fix have been taken in, and its position comes next."""
 
     t_ns: int
 
@@ -150,6 +161,7 @@ Event = (
     | GpsSpeed
     | GpsCourse
     | GyroCheck
+    | VelocityTold
     | GpsPosition
     | FixSeen
     | FixTaken
@@ -176,12 +188,13 @@ def parts_of(fix: Fix) -> tuple[Event, ...]:
     )
     if fix.speed_mps is None or not tells_speed:
         return (fix, *place, *_course(fix, None))
-    speed = GpsSpeed(t_ns, fix.speed_mps, fix.speed_std_mps)
-    return (fix, speed, *_course(fix, fix.speed_mps), *place)
+    speed = GpsSpeed(t_ns, fix.speed_mps, fix.speed_std_mps, fix.own_speed_std_mps)
+    return (fix, speed, *_course(fix, fix.speed_mps), VelocityTold(t_ns), *place)
 
 
 def _course(fix: Fix, speed_mps: float | None) -> tuple[Event, ...]:
     if fix.course_rad is None or not fix.course_told:
         return ()
-    course = GpsCourse(fix.t_ns, fix.course_rad, fix.course_std_rad, speed_mps, fix.speed_std_mps)
+    stds_mps = fix.speed_std_mps, fix.own_speed_std_mps
+    course = GpsCourse(fix.t_ns, fix.course_rad, fix.course_std_rad, speed_mps, *stds_mps)
     return course, GyroCheck(fix.t_ns)

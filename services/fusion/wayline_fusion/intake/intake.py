@@ -161,23 +161,24 @@ class Intake:
             speed_mps, speed_std_mps = mean.speed_mps, mean.speed_std_mps
             if course_deg is None:
                 course_deg, course_std_deg = mean.course_deg, mean.course_std_deg
+        good, own_std_mps = is_good(fix, self._tuning), doppler_std_mps(fix, self._tuning)
         return Fix(
             fix.t_ns,
             lat_deg,
             lon_deg,
             position_std_m,
             speed_mps,
-            speed_std_mps or speed_std_mps_of(fix, self._tuning),
+            speed_std_mps or own_std_mps * (1.0 if good else self._tuning.bad_gps_factor),
+            speed_std_mps or own_std_mps,
             None if course_deg is None else math.radians(course_deg),
             None if course_std_deg is None else math.radians(course_std_deg),
-            is_good=is_good(fix, self._tuning),
+            is_good=good,
             speed_derived=fix.speed_derived or fix.speed_mps is None,
             course_told=fix.course_deg is not None,
         )
 
 
-def speed_std_mps_of(fix: GpsFix, tuning: Tuning) -> float:
+def doppler_std_mps(fix: GpsFix, tuning: Tuning) -> float:
     """Of a fix that tells none: Doppler suffers from dilution as positions do."""
     dilution = max(fix.hdop, DILUTION_MIN) if fix.hdop is not None else 1.0
-    std_mps = tuning.gps_speed_std_mps * dilution
-    return std_mps if is_good(fix, tuning) else std_mps * tuning.bad_gps_factor
+    return tuning.gps_speed_std_mps * dilution
