@@ -7,7 +7,8 @@ from pathlib import Path
 from wayline.avl_log import read_reports
 from wayline.drive import AvlSource, Drive, NmeaSource, Vehicle
 from wayline.errors import InputError
-from wayline.inputs import PositionReport
+from wayline.inputs import PositionReport, Sentence
+from wayline.messages import Message
 from wayline.nmea_log import NmeaLog, gpsd_lines, has_date, has_sentence, is_gpsd_log
 from wayline.received import Recording, source_names, translated
 from wayline.text_file import TextFile
@@ -37,17 +38,17 @@ def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
     if source.date is None and not has_date(path):
         mend = "add date = YYYY-MM-DD to its [[nmea]]"
         raise InputError(str(path), "no sentence carries a date", mend)
-    core = GpsIngestCore(vehicle.gps_latency_s, source.date)
+    core = GpsIngestCore(vehicle.gps_latency_s, source.date, recorded=True)
     latency_ns = round(vehicle.gps_latency_s * 1e9)
     log = NmeaLog(path)
-    messages = translated(
-        log,
-        core.handle,
-        name,
-        lambda sentence, message: (
-            message.t_ns + latency_ns if sentence.received_ns is None else sentence.received_ns
-        ),
-    )
+
+    def received_ns(sentence: Sentence, message: Message) -> int:
+        if sentence.received_ns is None:
+            return message.t_ns + latency_ns
+        # what was held until now was received as much earlier as it is older
+        return sentence.received_ns - (core.told_ns - message.t_ns)
+
+    messages = translated(log, core.handle, name, received_ns)
     return Recording(
         name, messages, lambda: core.bad_input + log.is_broken, nothing=lambda: nothing(core.faults)
     )
@@ -63,7 +64,7 @@ def _nothing_received(path: str, faults: Mapping[str, int] = {}) -> InputError:
 
 def _gpsd(path: Path, vehicle: Vehicle, name: str) -> Recording:
     """What `gpspipe -w` wrote down of a gpsd."""
-    core = GpsdCore(vehicle.gps_latency_s)
+    core = GpsdCore(vehicle.gps_latency_s, recorded=True)
     latency_ns = round(vehicle.gps_latency_s * 1e9)
     log = TextFile(path)
     lines = (GpsdReport(None, line) for line in gpsd_lines(log))
@@ -77,9 +78,10 @@ def _gpsd(path: Path, vehicle: Vehicle, name: str) -> Recording:
 
 
 def _reports(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:
-    core = GpsIngestCore(vehicle.gps_latency_s)
+    core = GpsIngestCore(vehicle.gps_latency_s, recorded=True)
+    latency_ns = round(vehicle.gps_latency_s * 1e9)
     rows = Readable(read_reports(source))
-    messages = translated(rows, core.handle, name, lambda report, _: report.t_ns)
+    messages = translated(rows, core.handle, name, lambda _, fix: fix.t_ns + latency_ns)
 
     def nothing() -> InputError:
         what = f"none of its {rows.bad_input + core.bad_input:,} rows has a readable time and place"
