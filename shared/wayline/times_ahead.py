@@ -115,13 +115,17 @@ class TimesAhead(Generic[Item]):
             self.dropped += 1
             if not runs[-1]:
                 runs.pop()
-        if not runs or t_ns - runs[-1][-1][0] > self._reach_ns(runs[-1]):
+        if not runs or self._leaps(t_ns, runs[-1]):
             runs.append([])
         runs[-1].append((t_ns, item))
 
-    def _reach_ns(self, run: list[Timed[Item]]) -> int:
-        latest = [*self._known, *(t_ns for t_ns, _ in run[-REMEMBERED - 1 :])]
-        return reach_ns(latest[-REMEMBERED - 1 :])
+    def _leaps(self, t_ns: int, run: list[Timed[Item]]) -> bool:
+        """Whether a time is too far ahead of a run's to follow it."""
+        after_ns = t_ns - run[-1][0]
+        if after_ns <= AHEAD_NS:
+            return False
+        latest = [*self._known, *(held_ns for held_ns, _ in run[-REMEMBERED - 1 :])]
+        return after_ns > reach_ns(latest[-REMEMBERED - 1 :])
 
     def _agree(self) -> bool:
         run = self._runs[-1]
