@@ -55,6 +55,7 @@ class TimesAhead(Generic[Item]):
         """The last times that were believed, rising."""
         self._runs: list[list[Timed[Item]]] = []
         """What is held; in a run times follow each other, between runs they leap ahead."""
+        self._held = 0
         self.dropped = 0
         """How many items were of a time that did not last."""
 
@@ -73,14 +74,11 @@ class TimesAhead(Generic[Item]):
         if not self._is_ahead(t_ns, receipt_ns):
             return self._returned(t_ns, item)
         self._hold(t_ns, item)
-        if not self._agree():
-            return []
-        runs, self._runs = self._runs, []
-        return self._believed(runs)
+        return self._believed(self._emptied()) if self._agree() else []
 
     def finish(self) -> list[Timed[Item]]:
         """At the end of input: the best of a beginning in doubt, and what follows short breaks."""
-        runs, self._runs = self._runs, []
+        runs = self._emptied()
         told: list[Timed[Item]] = []
         if runs and not self._known:
             longest = max(range(len(runs)), key=lambda at: len(runs[at]))
@@ -102,22 +100,28 @@ class TimesAhead(Generic[Item]):
 
     def _returned(self, t_ns: int, item: Item) -> list[Timed[Item]]:
         """What is believed, and of what was held that which is no later."""
-        held = [timed for run in self._runs for timed in run]
+        held = [timed for run in self._emptied() for timed in run]
         told = [timed for timed in held if timed[0] <= t_ns]
         self.dropped += len(held) - len(told)
-        self._runs = []
         return self._told([*told, (t_ns, item)])
 
     def _hold(self, t_ns: int, item: Item) -> None:
         runs = self._runs
         while runs and runs[-1][-1][0] > t_ns + AHEAD_NS:
             runs[-1].pop()
+            self._held -= 1
             self.dropped += 1
             if not runs[-1]:
                 runs.pop()
         if not runs or self._leaps(t_ns, runs[-1]):
             runs.append([])
         runs[-1].append((t_ns, item))
+        self._held += 1
+
+    def _emptied(self) -> list[list[Timed[Item]]]:
+        """What was held, which is held no more."""
+        runs, self._runs, self._held = self._runs, [], 0
+        return runs
 
     def _leaps(self, t_ns: int, run: list[Timed[Item]]) -> bool:
         """Whether a time is too far ahead of a run's to follow it."""
@@ -131,7 +135,7 @@ class TimesAhead(Generic[Item]):
         run = self._runs[-1]
         if len(run) >= AGREEING and run[-1][0] - run[0][0] >= AGREEING_FOR_NS:
             return True
-        return sum(map(len, self._runs)) >= self._held_max
+        return self._held >= self._held_max
 
     def _believed(self, runs: list[list[Timed[Item]]]) -> list[Timed[Item]]:
         """The last of some runs, and those before it, as far as they are near enough."""

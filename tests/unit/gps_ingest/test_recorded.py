@@ -55,11 +55,11 @@ def test_the_shuttle_lap_is_193_fixes_and_19_repeats() -> None:
 
 
 def test_what_waited_after_a_pause_was_received_as_it_came(tmp_path: Path) -> None:
-    """A log with the times of receipt, 0.2 s after each fix: no fix of it becomes a late one."""
+    """By a logger whose clock is a day behind: no fix becomes a late one by waiting."""
     seconds = [hour * 3600 + second for hour in (0, 2) for second in range(15)]
     noon_s = 764_424_000
     lines = [
-        f"{noon_s + each}.200 {rmc(f'{12 + each // 3600:02d}00{each % 60:02d}')}\n"
+        f"{noon_s - 86_400 + each}.200 {rmc(f'{12 + each // 3600:02d}00{each % 60:02d}')}\n"
         for each in seconds
     ]
     (tmp_path / "gps.nmea").write_text("".join(lines))
@@ -68,7 +68,8 @@ def test_what_waited_after_a_pause_was_received_as_it_came(tmp_path: Path) -> No
     )
     (recording,) = recordings(drive, "drive.toml")
     heard = [
-        (received_ns / 1e9 - noon_s, message.t_ns) for received_ns, message in recording.messages
+        (received_ns / 1e9 - noon_s + 86_400, message.t_ns)
+        for received_ns, message in recording.messages
     ]
     assert [t_ns // 10**9 - noon_s for _, t_ns in heard] == seconds
     late_s = [received_s - seconds[at] for at, (received_s, _) in enumerate(heard)]
