@@ -8,38 +8,57 @@ from pathlib import Path
 from typing import NamedTuple
 
 from wayline.csv_file import CsvFile, Row, number_of
-from wayline.drive import AvlSource
+from wayline.drive import AvlColumn, AvlSource, Column
 from wayline.errors import InputError
 from wayline.inputs import PositionReport
 from wayline.messages import EARLIEST_NS, LATEST_NS
 
 MILLISECONDS_FROM = 1e11
 """Plain numbers from here on are Unix time in milliseconds, below in seconds."""
+NUMBERS = ("lat_deg", "lon_deg", "heading_deg", "speed_mps", "satellites", "hdop", "pdop")
+REPEATED_NS = 2 * 3_600 * 1_000_000_000
+"""A row earlier by more is not one of the hour that the end of summer time repeats."""
 DAY_FIRST = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})(?!\d)")
 
 
-def read_reports(source: AvlSource) -> Iterator[PositionReport | None]:
-    """The rows in order; a row without a readable time and position is None, for counting.
+class ReportLog:
+    """A table, read once: its rows in order, each None that has no readable time and position.
 
     The file is CSV as `wayline.csv_file` reads it. Times are ISO 8601 (with `T` or a space, also
     2026/11/22 and 22.11.2026 for the day), local to the source's timezone where they carry no
     offset, or Unix time in seconds or milliseconds. In the hour that the end of summer time
     repeats, a time earlier than the row before is the second one.
 
-    Raises InputError for a file that cannot be read, an unknown timezone, no rows, or a mapped
-    column that is not in the header.
+    Iterating raises InputError for a file that cannot be read, an unknown timezone, no rows, or a
+    named column that is not in the header.
     """
-    zone = _zone(source)
-    file = CsvFile(Path(source.path))
-    rows = file.rows()
-    columns = _columns(source, next(rows, Row(1, [])).cells)
-    last_ns = 0
-    for row in rows:
-        report = _report(columns.of(row), zone, last_ns)
-        last_ns = report.t_ns if report else last_ns
-        yield report
-    if file.is_broken:
-        yield None
+
+    def __init__(self, source: AvlSource) -> None:
+        self._source = source
+        self.left_out = 0
+        """Rows with other values than `where` asks for."""
+
+    def __iter__(self) -> Iterator[PositionReport | None]:
+        source = self._source
+        zone = _zone(source)
+        file = CsvFile(Path(source.path))
+        rows = file.rows()
+        places = _places(source, next(rows, Row(1, [])).cells)
+        last_ns = 0
+        for row in rows:
+            if not places.takes(row):
+                self.left_out += 1
+                continue
+            report = _report(places, row, zone, last_ns)
+            last_ns = report.t_ns if report else last_ns
+            yield report
+        if file.is_broken:
+            yield None
+
+
+def read_reports(source: AvlSource) -> Iterator[PositionReport | None]:
+    """The rows of a table, as `ReportLog` reads them. Raises InputError."""
+    yield from ReportLog(source)
 
 
 def _zone(source: AvlSource) -> zoneinfo.ZoneInfo:
@@ -53,65 +72,66 @@ def _zone(source: AvlSource) -> zoneinfo.ZoneInfo:
         ) from None
 
 
-class _Cells(NamedTuple):
-    """The mapped cells of a row; empty where there is none."""
-
-    time: str
-    lat_deg: str
-    lon_deg: str
-    heading_deg: str
-    speed_mps: str
-
-
 class _Places(NamedTuple):
-    """Where the mapped columns are; None where one is not mapped."""
+    """Where in a row what is mapped stands."""
 
     time: int
-    lat_deg: int
-    lon_deg: int
-    heading_deg: int | None
-    speed_mps: int | None
+    numbers: dict[str, tuple[int, float]]
+    """By quantity: the column, and what its numbers are multiplied by."""
+    assignment: int | None
+    where: list[tuple[int, str]]
 
-    def of(self, row: Row) -> _Cells:
-        """The mapped cells of a row."""
-        count = len(row.cells)
-        return _Cells(*(row.cells[at] if at is not None and at < count else "" for at in self))
+    def takes(self, row: Row) -> bool:
+        """Whether a row has the values that are asked for."""
+        return all(_cell(row, at) == value for at, value in self.where)
 
 
-def _columns(source: AvlSource, header: list[str]) -> _Places:
+def _cell(row: Row, at: int | None) -> str:
+    """Empty where there is none."""
+    return row.cells[at] if at is not None and at < len(row.cells) else ""
+
+
+def _places(source: AvlSource, header: list[str]) -> _Places:
     columns = source.columns
 
-    def place(quantity: str, name: str) -> int:
+    def place(name: str, purpose: str) -> int:
         if name.strip() not in header:
             raise InputError(
                 source.path,
-                f"no column {name} for {quantity}",
+                f"no column {name} for {purpose}",
                 f"name one of its columns: {', '.join(header) or 'none, the file is empty'}",
             )
         return header.index(name.strip())
 
-    heading, speed = columns.heading_deg, columns.speed_mps
+    time = place(columns.time, "time")
+    numbers: dict[str, tuple[int, float]] = {}
+    for quantity in NUMBERS:
+        column: Column | None = getattr(columns, quantity)
+        if isinstance(column, AvlColumn):
+            numbers[quantity] = place(column.name, quantity), column.scale
+        elif column is not None:
+            numbers[quantity] = place(column, quantity), 1.0
     return _Places(
-        place("time", columns.time),
-        place("lat_deg", columns.lat_deg),
-        place("lon_deg", columns.lon_deg),
-        None if heading is None else place("heading_deg", heading),
-        None if speed is None else place("speed_mps", speed),
+        time,
+        numbers,
+        None if columns.assignment is None else place(columns.assignment, "assignment"),
+        [(place(name, "where"), str(value)) for name, value in source.where.items()],
     )
 
 
-def _report(cells: _Cells, zone: zoneinfo.ZoneInfo, last_ns: int) -> PositionReport | None:
-    t_ns = _time_ns(cells.time, zone, last_ns)
-    lat_deg, lon_deg = number_of(cells.lat_deg), number_of(cells.lon_deg)
-    if t_ns is None or lat_deg is None or lon_deg is None:
+def _report(
+    places: _Places, row: Row, zone: zoneinfo.ZoneInfo, last_ns: int
+) -> PositionReport | None:
+    t_ns = _time_ns(_cell(row, places.time), zone, last_ns)
+    numbers = {
+        name: number * scale
+        for name, (at, scale) in places.numbers.items()
+        if (number := number_of(_cell(row, at))) is not None
+    }
+    if t_ns is None or not {"lat_deg", "lon_deg"} <= numbers.keys():
         return None
-    return PositionReport(
-        t_ns=t_ns,
-        lat_deg=lat_deg,
-        lon_deg=lon_deg,
-        heading_deg=number_of(cells.heading_deg),
-        speed_mps=number_of(cells.speed_mps),
-    )
+    assignment = _cell(row, places.assignment) or None
+    return PositionReport(t_ns=t_ns, assignment=assignment, **numbers)
 
 
 def _time_ns(text: str, zone: zoneinfo.ZoneInfo, last_ns: int) -> int | None:
@@ -126,7 +146,7 @@ def _time_ns(text: str, zone: zoneinfo.ZoneInfo, last_ns: int) -> int | None:
     if written.tzinfo is not None:
         return _plausible(_unix_ns(written))
     t_ns = _unix_ns(written.replace(tzinfo=zone))
-    if t_ns < last_ns:
+    if 0 < last_ns - t_ns < REPEATED_NS:
         t_ns = max(t_ns, _unix_ns(written.replace(tzinfo=zone, fold=1)))
     return _plausible(t_ns)
 

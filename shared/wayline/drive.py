@@ -111,14 +111,30 @@ class CanSource(CanMapping, frozen=True, kw_only=True):
         return (self.path,) if isinstance(self.path, str) else self.path
 
 
+class AvlColumn(Strict, frozen=True, kw_only=True):
+    """A column of numbers that are in another unit."""
+
+    name: str
+    scale: float = 1.0
+    """Times this they are in our unit."""
+
+
+Column = str | AvlColumn
+
+
 class AvlColumns(Strict, frozen=True, kw_only=True):
     """Names of the columns of a CSV of position reports."""
 
     time: str
-    lat_deg: str
-    lon_deg: str
-    heading_deg: str | None = None
-    speed_mps: str | None = None
+    lat_deg: Column
+    lon_deg: Column
+    heading_deg: Column | None = None
+    speed_mps: Column | None = None
+    satellites: Column | None = None
+    hdop: Column | None = None
+    pdop: Column | None = None
+    assignment: str | None = None
+    """The trip or block that the vehicle is on, in its system's own words."""
 
 
 class AvlSource(Strict, frozen=True, kw_only=True):
@@ -127,6 +143,8 @@ class AvlSource(Strict, frozen=True, kw_only=True):
     path: str
     columns: AvlColumns
     timezone: str = "UTC"
+    where: Mapping[str, str | int] = {}
+    """Only rows that have these values in these columns."""
 
 
 class Vehicle(Strict, frozen=True, kw_only=True):

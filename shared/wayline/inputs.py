@@ -46,3 +46,7 @@ class PositionReport(msgspec.Struct, frozen=True):
     lon_deg: float
     heading_deg: float | None = None
     speed_mps: float | None = None
+    satellites: float | None = None
+    hdop: float | None = None
+    pdop: float | None = None
+    assignment: str | None = None

@@ -80,6 +80,8 @@ class GpsFix(Message, frozen=True, kw_only=True):
     """The receiver sent its last fix again instead of a fresh one; then `valid` is false."""
     speed_derived: bool = False
     """The receiver tells no speed: this is the distance from its last fix over the time since."""
+    assignment: Text | None = None
+    """The trip or block that the report names, in its source's own words."""
 
 
 class Satellite(msgspec.Struct, frozen=True, kw_only=True):

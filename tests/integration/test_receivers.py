@@ -155,6 +155,25 @@ def test_noise_and_half_sentences_pass_and_are_counted(bench: Bench) -> None:
     assert bench.await_said(SERIAL, "well").bad_input > 0
 
 
+def test_a_receiver_that_tells_an_hour_ahead_for_a_while_moves_nothing(bench: Bench) -> None:
+    """Its right times are told again at once; the host bears them out."""
+    began_s = time.monotonic()
+    before = bench.await_said(SERIAL, "well").bad_input
+
+    def lie() -> None:
+        with bench.serial_talker.silenced():
+            until_s = time.monotonic() + 1.5
+            while time.monotonic() < until_s:
+                bench.plug.write(epoch(round((time.time() + 3600.0) * RATE_HZ)))
+                time.sleep(1.0 / RATE_HZ)
+
+    bench.await_back(SERIAL, lie)
+    told = [heard for heard in bench.listener.heard("gps_fix") if heard.received_s > began_s]
+    assert told
+    assert max(heard.message.t_ns for heard in told) < time.time_ns() + 60 * 10**9
+    assert bench.await_said(SERIAL, "well").bad_input > before
+
+
 def test_a_flood_at_ten_times_the_rate_blocks_nothing(bench: Bench) -> None:
     """The other receivers' fixes go on meanwhile, and nothing stays in the queue."""
 

@@ -4,6 +4,7 @@ from argparse import Namespace
 from collections.abc import Callable
 
 from wayline.drive_file import load_drive
+from wayline.host_clock import EARLIEST_NS
 from wayline.http import Healthz
 from wayline.node import Node
 from wayline.received import source_names
@@ -20,6 +21,7 @@ from wayline_can_ingest.frames import MALFORMED
 from wayline_can_ingest.interfaces import Interface
 from wayline_can_ingest.obd2_poll import REPLIES
 from wayline_can_ingest.recorded import recordings
+from wayline_can_ingest.utc import DriveClock
 from wayline_can_ingest.wanted import Wanted
 
 NAME = "can-ingest"
@@ -45,7 +47,8 @@ def live(settings: Settings) -> Service:
     buses: dict[str, Interface] = {}
     for name, source in zip(source_names(NAME), settings.can, strict=False):
         mapping = load_mapping(source, vehicle, "configuration [[can]]")
-        cores[name] = CanIngestCore(source, mapping, vehicle)
+        clock = DriveClock.of(source, doubts_start=True, clock_from_ns=EARLIEST_NS)
+        cores[name] = CanIngestCore(source, mapping, vehicle, clock=clock)
         polls = OBD2 in vehicle.profiles if source.obd2 is None else source.obd2
         wanted = Wanted(mapping, REPLIES if polls else ())
         buses[name] = Interface(name, source, wanted, polls=polls)

@@ -73,9 +73,18 @@ class CanIngestCore:
         del source
         if isinstance(message, Frame):
             return self._frame(message)
-        if isinstance(message, Tick | Flush):
-            return self._fix.overdue(message.t_ns, at_end=isinstance(message, Flush))
+        if isinstance(message, Flush):
+            return self._flush(message.t_ns)
+        if isinstance(message, Tick):
+            return self._fix.overdue(message.t_ns)
         return ()
+
+    def _flush(self, t_ns: int) -> Sequence[Message]:
+        messages: list[Message] = []
+        if self.has_no_time and self._clock.settle():
+            self._decode_waiting(messages)
+        messages += self._fix.overdue(t_ns, at_end=True)
+        return messages
 
     def _frame(self, frame: Frame) -> Sequence[Message]:
         plans = self._mapping.find(frame.arbitration_id, frame.extended)
@@ -91,20 +100,24 @@ class CanIngestCore:
             return ()
         messages: list[Message] = []
         if self._waiting:
-            waited, self._waiting = self._waiting, []
-            for held in waited:
-                for plan in self._mapping.find(held.arbitration_id, held.extended):
-                    self._decode(held, plan, messages)
+            self._decode_waiting(messages)
         for plan in plans:
             self._decode(frame, plan, messages)
         return messages
+
+    def _decode_waiting(self, messages: list[Message]) -> None:
+        waited, self._waiting = self._waiting, []
+        for held in waited:
+            for plan in self._mapping.find(held.arbitration_id, held.extended):
+                self._decode(held, plan, messages)
 
     def _clock_is_told(self, frame: Frame, plans: Sequence[FramePlan]) -> bool:
         for plan in plans:
             value_s = clock_value_s(plan, frame.data, self._latest)
             if value_s is not None:
-                self._clock.offset_ns = round(value_s * 1e9) - frame.t_ns
-                return True
+                self._clock.hear(round(value_s * 1e9), frame.t_ns)
+                if not self.has_no_time:
+                    return True
         if len(self._waiting) < MOST_WAITING:
             self._waiting.append(frame)
         else:

@@ -7,7 +7,9 @@ from wayline.can_log import CanLog
 from wayline.drive import CanSource, Drive, Vehicle
 from wayline.errors import InputError, UnreadableError
 from wayline.inputs import Frame
+from wayline.messages import EARLIEST_NS
 from wayline.received import Account, Recording, source_names, translated
+from wayline.times_ahead import TimesAhead, believed
 from wayline_can_ingest.configured import load_mapping
 from wayline_can_ingest.core import CanIngestCore
 from wayline_can_ingest.mapping import Mapping
@@ -15,6 +17,8 @@ from wayline_can_ingest.nothing import clock_never_told, no_frames, nothing_mapp
 from wayline_can_ingest.utc import DriveClock
 from wayline_can_ingest.wanted import Wanted
 
+HELD_MAX = 200_000
+"""Frames: ten seconds of two full buses, and more than they take in memory is not worth it."""
 UNDATED_FROM_S = 946_684_800
 """2000: where the times of a recording without a date begin that is a drive's only source."""
 
@@ -22,23 +26,30 @@ UNDATED_FROM_S = 946_684_800
 def recordings(drive: Drive, where: str) -> list[Recording]:
     """Every `[[can]]` of a drive; `where` names its file in errors. Raises InputError."""
     names = source_names("can-ingest")
-    told = _told_clock(drive, where)
+    clocks = [_clock(can, drive.vehicle, where) for can in drive.can]
     _check_dates(drive)
-    return [_bus(can, drive.vehicle, where, next(names), told) for can in drive.can]
+    # what the first clock signal says holds for the buses without a clock of their own
+    told = (clock for clock in clocks if clock is not None and clock.offset_ns is not None)
+    first = next(told, None)
+    return [
+        _bus(can, drive.vehicle, where, next(names), clock or first)
+        for can, clock in zip(drive.can, clocks, strict=True)
+    ]
 
 
-def _told_clock(drive: Drive, where: str) -> DriveClock | None:
-    """What the drive's first clock signal says: it holds for the buses without their own."""
-    first = next((can for can in drive.can if can.clock is not None), None)
-    if first is None or len(drive.can) == 1:
+def _clock(source: CanSource, vehicle: Vehicle, where: str) -> DriveClock | None:
+    """What a bus's clock signal says, which is read ahead of all else; None without one."""
+    if source.clock is None:
         return None
-    core = _core(first, drive.vehicle, where, clock := DriveClock(None))
+    clock = DriveClock.of(source, doubts_start=True, clock_from_ns=EARLIEST_NS)
+    core = CanIngestCore(source, load_mapping(source, vehicle, where), vehicle, clock=clock)
     with suppress(UnreadableError):  # said when it is its turn to be read
-        for frame in CanLog.of(first):
+        for frame in Believed(CanLog.of(source)):
             core.handle(frame, "can-ingest")
             if clock.offset_ns is not None:
                 return clock
-    return None
+    clock.settle()
+    return clock
 
 
 def _check_dates(drive: Drive) -> None:
@@ -63,13 +74,14 @@ def _check_dates(drive: Drive) -> None:
 def _bus(
     source: CanSource, vehicle: Vehicle, where: str, name: str, told: DriveClock | None
 ) -> Recording:
-    has_own = source.clock is not None or source.clock_offset_s != 0.0
+    has_own = source.clock_offset_s != 0.0 and source.clock is None
     has_clock = has_own or told is not None
     mapping = load_mapping(source, vehicle, where)
     clock = DriveClock.of(source) if has_own else told
     core = CanIngestCore(source, mapping, vehicle, clock=clock)
     log = CanLog.of(source, undated_from_s=0 if has_clock else UNDATED_FROM_S)
-    frames = Counted(log, mapping)
+    lasting = Believed(log)
+    frames = Counted(lasting, mapping)
     messages = translated(frames, core.handle, name, lambda frame, _: core.received_ns(frame))
 
     def account() -> Account:
@@ -85,8 +97,28 @@ def _bus(
         return nothing_mapped(source, mapping, mapped, where) if log.frames else no_frames(log)
 
     return Recording(
-        name, messages, lambda: core.bad_input + core.dropped + log.bad_input, account, nothing
+        name,
+        messages,
+        lambda: core.bad_input + core.dropped + log.bad_input + lasting.dropped,
+        account,
+        nothing,
     )
+
+
+class Believed:
+    """Passes frames on, but those of a time far ahead that did not last."""
+
+    def __init__(self, frames: Iterable[Frame]) -> None:
+        self._frames = frames
+        self._ahead = TimesAhead[Frame](doubts_start=True, held_max=HELD_MAX)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return believed(((frame.t_ns, frame) for frame in self._frames), self._ahead)
+
+    @property
+    def dropped(self) -> int:
+        """Frames of a time that did not last."""
+        return self._ahead.dropped
 
 
 class Counted:
@@ -112,9 +144,3 @@ def _warnings(source: CanSource, log: CanLog, *, has_clock: bool) -> list[str]:
         files = ", ".join(map(str, log.undated))
         warnings.append(f"{files}: carries no date, its times count from the year 2000")
     return warnings
-
-
-def _core(
-    source: CanSource, vehicle: Vehicle, where: str, clock: DriveClock | None
-) -> CanIngestCore:
-    return CanIngestCore(source, load_mapping(source, vehicle, where), vehicle, clock=clock)

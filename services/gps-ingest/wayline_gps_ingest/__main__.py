@@ -4,6 +4,7 @@ from argparse import Namespace
 from collections.abc import Callable
 
 from wayline.drive_file import load_drive
+from wayline.host_clock import EARLIEST_NS
 from wayline.http import Healthz
 from wayline.node import Node
 from wayline.received import source_names
@@ -40,7 +41,8 @@ def live(settings: Settings) -> Service:
     def make_node(vehicle_id: str, source: str) -> Node:
         del vehicle_id
         receiver, latency_s = receivers[source], settings.vehicle.gps_latency_s
-        core = GpsdCore(latency_s) if receiver.is_gpsd else GpsIngestCore(latency_s)
+        kind = GpsdCore if receiver.is_gpsd else GpsIngestCore
+        core = kind(latency_s, clock_from_ns=EARLIEST_NS)
         receiver.faults = lambda: core.faults
         return Node(source, core)
 

@@ -7,7 +7,8 @@ from typing import ClassVar
 import msgspec
 
 from wayline.inputs import Flush, PositionReport, Sentence, Tick
-from wayline.messages import LATEST_NS, Message
+from wayline.messages import EARLIEST_NS, LATEST_NS, GpsFix, Message
+from wayline.times_ahead import TimesAhead
 from wayline_gps_ingest.cycle import EpochAssembler
 from wayline_gps_ingest.dates import Dates, nearest_ns
 from wayline_gps_ingest.decode import decode
@@ -31,16 +32,28 @@ class GpsIngestCore:
 
     An epoch whose date is not known yet is held until a fix with a date comes, for 10 s of the
     receiver's time; older ones are dropped and counted (`undated`). The date of an epoch without a
-    fix is not believed before a fix has confirmed it, or input has ended.
+    fix is not believed before a fix has confirmed it, or input has ended. An epoch far ahead of the
+    others and of its receipt waits for others that agree (`wayline.times_ahead`); receipts before
+    `clock_from_ns` are of a clock that was never set. In a recording the beginning waits as well
+    (`recorded`).
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset()
     period_ns: ClassVar[int | None] = None
 
-    def __init__(self, gps_latency_s: float = 0.0, date: dt.date | None = None) -> None:
+    def __init__(
+        self,
+        gps_latency_s: float = 0.0,
+        date: dt.date | None = None,
+        *,
+        recorded: bool = False,
+        clock_from_ns: int = EARLIEST_NS,
+    ) -> None:
         self._latency_ns = round(gps_latency_s * SECOND_NS)
         self._assembler = EpochAssembler()
         self._dates = Dates(date)
+        self._ahead = TimesAhead[Epoch | GpsFix](doubts_start=recorded)
+        self._clock_from_ns = clock_from_ns
         self._clock = OnwardClock()
         self._derived_speed = DerivedSpeed()
         self._faults: Counter[str] = Counter()
@@ -63,7 +76,7 @@ class GpsIngestCore:
         counted = {
             **self._faults,
             "undated": self._waiting.dropped,
-            "clock": self._clock.faults,
+            "clock": self._clock.faults + self._ahead.dropped,
             "late": self._assembler.late + self._clock.late,
         }
         return {reason: times for reason, times in counted.items() if times}
@@ -72,6 +85,11 @@ class GpsIngestCore:
     def bad_input(self) -> int:
         """Inputs that were counted and dropped or mended."""
         return sum(self.faults.values())
+
+    @property
+    def told_ns(self) -> int:
+        """The instant that was told last, 0 before the first."""
+        return self._clock.last_ns or 0
 
     @property
     def undated(self) -> bool:
@@ -131,7 +149,9 @@ class GpsIngestCore:
             return []
         # without a fix a receiver's date is its own clock's, which may be decades off
         dated_ns = epoch.facts.get("dated_ns") if epoch.is_valid else None
-        raw_ns = self._dates.instant_ns(epoch.time_ns, dated_ns, self._received_ns)
+        raw_ns = self._dates.instant_ns(
+            epoch.time_ns, dated_ns, self._received_ns, self._ahead.known_ns
+        )
         if raw_ns is None:
             self._waiting.hold(epoch)
             return []
@@ -145,10 +165,28 @@ class GpsIngestCore:
         messages = self._publish(self._assembler.finish())
         for waiting, waiting_ns in self._waiting.release_unconfirmed():
             messages += self._at(waiting, waiting_ns)
+        for raw_ns, told in self._ahead.finish():
+            messages += self._told(told, raw_ns)
         return messages
 
-    def _at(self, epoch: Epoch, raw_ns: int) -> list[Message]:
+    def _at(self, told: Epoch | GpsFix, raw_ns: int) -> list[Message]:
+        """What is told of an instant of the receiver's clock, once that is believed."""
+        received_ns = self._received_ns
+        if received_ns is not None and received_ns < self._clock_from_ns:
+            received_ns = None
+        messages: list[Message] = []
+        for believed_ns, each in self._ahead.take(raw_ns, told, received_ns):
+            messages += self._told(each, believed_ns)
+        return messages
+
+    def _told(self, told: Epoch | GpsFix, raw_ns: int) -> list[Message]:
         raw_ns -= self._latency_ns
+        if isinstance(told, GpsFix):
+            t_ns = self._onward_ns(raw_ns, valid=True)
+            return [] if t_ns is None else [msgspec.structs.replace(told, t_ns=t_ns)]
+        return self._epoch_told(told, raw_ns)
+
+    def _epoch_told(self, epoch: Epoch, raw_ns: int) -> list[Message]:
         if epoch.repeat:
             t_ns = self._clock.repeat_ns(raw_ns)
         else:
@@ -172,8 +210,7 @@ class GpsIngestCore:
 
     def _report(self, report: PositionReport) -> list[Message]:
         fix = fix_of_report(report)
-        t_ns = self._onward_ns(report.t_ns - self._latency_ns, valid=True) if fix else None
-        if fix is None or t_ns is None:
-            self._faults["report"] += fix is None
+        if fix is None:
+            self._faults["report"] += 1
             return []
-        return [msgspec.structs.replace(fix, t_ns=t_ns)]
+        return self._at(fix, report.t_ns)

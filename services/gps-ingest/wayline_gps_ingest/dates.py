@@ -18,8 +18,9 @@ class Dates:
     a log whose sentences carry none; from then on the instant nearest to the last one is meant,
     which follows midnight in either direction. Today's date is never taken.
 
-    A date that is whole eras of the week counter before the sentence's receipt, or before the last
-    fix, is moved on by them; nothing is changed where the two do not agree to the day.
+    A date that is whole eras of the week counter before the sentence's receipt, or before the
+    latest instant that is known, is moved on by them; nothing is changed where the two do not agree
+    to the day.
     """
 
     def __init__(self, first_day: dt.date | None = None) -> None:
@@ -27,18 +28,23 @@ class Dates:
         self._last_ns: int | None = None
 
     def instant_ns(
-        self, time_ns: int, dated_ns: int | None, received_ns: int | None = None
+        self,
+        time_ns: int,
+        dated_ns: int | None,
+        received_ns: int | None = None,
+        known_ns: int | None = None,
     ) -> int | None:
         """Unix time of a time of day, None where no day is known.
 
         `dated_ns` is the instant of the sentence beside it that carried a date, where one did: its
-        time may be another one's, and midnight between them.
+        time may be another one's, and midnight between them. `known_ns` is believed, which the last
+        time of day need not be.
         """
         if dated_ns is None and self._last_ns is None and self._first_day is not None:
             dated_ns = instant_of(self._first_day, time_ns)
         if dated_ns is not None:
             told_ns = nearest_ns(time_ns, dated_ns)
-            self._last_ns = in_era_of(in_era_of(told_ns, received_ns), self._last_ns)
+            self._last_ns = in_era_of(in_era_of(told_ns, received_ns), known_ns)
         elif self._last_ns is not None:
             self._last_ns = nearest_ns(time_ns, self._last_ns)
         return self._last_ns

@@ -19,6 +19,7 @@ from wayline.messages import (
     GpsSky,
     Message,
 )
+from wayline.times_ahead import TimesAhead
 from wayline_gps_ingest.fields import SECOND_NS
 from wayline_gps_ingest.gpsd_reports import (
     KINDS,
@@ -44,25 +45,44 @@ class GpsdReport(msgspec.Struct, frozen=True):
     text: str
 
 
+class Instant:
+    """What gpsd told of one instant, and of when that was published; None while it is not."""
+
+    def __init__(self, messages: list[Message], *, is_valid: bool) -> None:
+        self.messages = messages
+        self.is_valid = is_valid
+        self.t_ns: int | None = None
+
+
 class GpsdCore:
     """One receiver behind gpsd.
 
     While gpsd does not know yet how a receiver's cycle ends it reports one instant several times;
     as many reports as the last instant had are taken as one, so that nothing waits for the next.
+    Times far ahead wait for others that agree, as `GpsIngestCore`'s do.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset()
     period_ns: ClassVar[int | None] = None
 
-    def __init__(self, gps_latency_s: float = 0.0) -> None:
+    def __init__(
+        self,
+        gps_latency_s: float = 0.0,
+        *,
+        recorded: bool = False,
+        clock_from_ns: int = EARLIEST_NS,
+    ) -> None:
         self._latency_ns = round(gps_latency_s * SECOND_NS)
+        self._ahead = TimesAhead[Instant](doubts_start=recorded)
+        self._told: Instant | None = None
+        self._clock_from_ns = clock_from_ns
+        self._received_ns: int | None = None
         self._clock = OnwardClock()
         self._faults: Counter[str] = Counter()
         self._device = ""
         self._open: Tpv | None = None
         self._reports = self._expected = 0
         self._last_ns = 0
-        self._published_ns = 0
         self._sky = GpsdSky()
         self._is_sky_new = False
         self._gst: tuple[int, Gst] | None = None
@@ -71,7 +91,7 @@ class GpsdCore:
     @property
     def faults(self) -> dict[str, int]:
         """Bad input so far: `report` unreadable, `clock` stepped, `device` another receiver's."""
-        counted = {**self._faults, "clock": self._clock.faults}
+        counted = {**self._faults, "clock": self._clock.faults + self._ahead.dropped}
         return {reason: times for reason, times in counted.items() if times}
 
     @property
@@ -82,9 +102,12 @@ class GpsdCore:
     def handle(self, message: msgspec.Struct, source: str) -> list[Message]:  # noqa: ARG002 -- one receiver
         """Take a GpsdReport or Flush; return what it completes."""
         if isinstance(message, Flush):
-            return self._complete()
+            return self._complete() + self._published(self._ahead.finish())
         if not isinstance(message, GpsdReport):
             return []
+        received_ns = message.received_ns
+        is_known = received_ns is not None and received_ns >= self._clock_from_ns
+        self._received_ns = received_ns if is_known else None
         try:
             report = read_report(message.text)
         except (msgspec.DecodeError, RecursionError):
@@ -102,8 +125,13 @@ class GpsdCore:
             return []
         self._sky.take(report, self._last_ns)
         self._is_sky_new = self._is_sky_new or bool(report.satellites)
-        is_to_tell = self._published_ns and self._sky.is_whole
-        return self._sky_message(self._published_ns) if is_to_tell else []
+        told = self._told
+        if told is None or not self._sky.is_whole:
+            return []
+        if told.t_ns is not None:
+            return self._sky_message(told.t_ns)
+        told.messages += self._sky_message(self._last_ns - self._latency_ns)
+        return []
 
     def _position(self, report: Tpv) -> list[Message]:
         if report.time is None:
@@ -137,19 +165,27 @@ class GpsdCore:
         return True
 
     def _complete(self) -> list[Message]:
-        """The open instant as a fix."""
+        """The open instant as a fix, with those that it confirms, once it is believed."""
         report, self._open = self._open, None
         if report is None:
             return []
         raw_ns = self._last_ns - self._latency_ns
         is_valid = report.mode >= 2 and _is_on_earth(report.lat, report.lon)
+        fix = self._fix(report, raw_ns) if is_valid else self._unfixed(raw_ns)
+        self._told = Instant([fix, *self._sky_message(raw_ns)], is_valid=is_valid)
+        return self._published(self._ahead.take(raw_ns, self._told, self._received_ns))
+
+    def _published(self, believed: list[tuple[int, "Instant"]]) -> list[Message]:
+        """What was told of instants, each at a time that does not go back."""
+        messages: list[Message] = []
         clock = self._clock
-        t_ns = clock.fixed_ns(raw_ns) if is_valid else clock.unfixed_ns(raw_ns)
-        if t_ns is None or t_ns > LATEST_NS:
-            return []
-        fix = self._fix(report, t_ns) if is_valid else self._unfixed(t_ns)
-        self._published_ns = t_ns
-        return [fix, *self._sky_message(t_ns)]
+        for raw_ns, told in believed:
+            t_ns = clock.fixed_ns(raw_ns) if told.is_valid else clock.unfixed_ns(raw_ns)
+            if t_ns is None or t_ns > LATEST_NS:
+                continue
+            told.t_ns = t_ns
+            messages += [msgspec.structs.replace(each, t_ns=t_ns) for each in told.messages]
+        return messages
 
     def _fix(self, report: Tpv, t_ns: int) -> GpsFix:
         gst = self._held_gst()

@@ -2,15 +2,13 @@
 
 from typing import NamedTuple
 
-from wayline_gps_ingest.dates import DAY_NS, SECOND_NS
+from wayline_gps_ingest.dates import SECOND_NS
 from wayline_gps_ingest.latecomers import Latecomers
 
 SOON_NS = 20 * SECOND_NS
 """A step back by less is waited for; more than GPS time is ahead of UTC."""
 PERIOD_MAX_NS = SECOND_NS
 """Between fixes, as far as instants after a step back are concerned."""
-CONFIRM_NS = 60 * SECOND_NS
-"""A doubted fix is confirmed by one that follows within this."""
 UNFIXED_MAX_NS = 3600 * SECOND_NS
 """A receiver without a fix keeps time by itself; it is believed this far."""
 
@@ -38,22 +36,26 @@ class StepBack(NamedTuple):
 
 
 class OnwardClock:
-    """Keeps published instants from going back, and one corrupt time from moving them ahead.
+    """Keeps published instants from going back.
 
     After a step back instants go on (`StepBack`) until the clock has passed the last of them. A
     receiver that learns of a leap second steps back by seconds: the later times are the right
     ones, so those in between are pressed together and none after them is ahead of its time.
-    A step ahead by a day and more must be confirmed by the next fix.
+    Steps ahead are followed: those that do not last never come here (`wayline.times_ahead`).
     """
 
     def __init__(self) -> None:
         self._last_ns: int | None = None
         self._period_ns = PERIOD_MAX_NS
         self._step: StepBack | None = None
-        self._doubted_ns: int | None = None
         self._latecomers = Latecomers()
         self.faults = 0
         """Instants that were dropped or moved because the clock stepped."""
+
+    @property
+    def last_ns(self) -> int | None:
+        """The instant that was published last."""
+        return self._last_ns
 
     @property
     def late(self) -> int:
@@ -78,8 +80,8 @@ class OnwardClock:
         return t_ns
 
     def fixed_ns(self, raw_ns: int) -> int | None:
-        """The instant of a fix, or None if it is to be dropped: in doubt, or told already."""
-        if self._is_doubtful(raw_ns) or raw_ns == self._last_ns:
+        """The instant of a fix, or None if it was told already."""
+        if raw_ns == self._last_ns:
             self.faults += 1
             return None
         last_ns = self._last_ns
@@ -100,13 +102,3 @@ class OnwardClock:
         if self._step is None or self._last_ns is None or raw_ns > self._last_ns:
             return raw_ns
         return self._step.instant_ns(raw_ns)
-
-    def _is_doubtful(self, raw_ns: int) -> bool:
-        """Whether an instant is more than a day ahead and not confirmed by the one before."""
-        before_ns, self._doubted_ns = self._doubted_ns, None
-        if self._last_ns is None or raw_ns - self._last_ns < DAY_NS:
-            return False
-        if before_ns is not None and 0 <= raw_ns - before_ns <= CONFIRM_NS:
-            return False
-        self._doubted_ns = raw_ns
-        return True

@@ -4,12 +4,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
-from wayline.avl_log import read_reports
+from wayline.avl_log import ReportLog
 from wayline.drive import AvlSource, Drive, NmeaSource, Vehicle
 from wayline.errors import InputError
-from wayline.inputs import PositionReport
+from wayline.inputs import PositionReport, Sentence
+from wayline.messages import Message
 from wayline.nmea_log import NmeaLog, gpsd_lines, has_date, has_sentence, is_gpsd_log
-from wayline.received import Recording, source_names, translated
+from wayline.received import Account, Recording, source_names, translated
 from wayline.text_file import TextFile
 from wayline_gps_ingest.core import GpsIngestCore
 from wayline_gps_ingest.gpsd import GpsdCore, GpsdReport
@@ -37,17 +38,17 @@ def _receiver(source: NmeaSource, vehicle: Vehicle, name: str) -> Recording:
     if source.date is None and not has_date(path):
         mend = "add date = YYYY-MM-DD to its [[nmea]]"
         raise InputError(str(path), "no sentence carries a date", mend)
-    core = GpsIngestCore(vehicle.gps_latency_s, source.date)
+    core = GpsIngestCore(vehicle.gps_latency_s, source.date, recorded=True)
     latency_ns = round(vehicle.gps_latency_s * 1e9)
     log = NmeaLog(path)
-    messages = translated(
-        log,
-        core.handle,
-        name,
-        lambda sentence, message: (
-            message.t_ns + latency_ns if sentence.received_ns is None else sentence.received_ns
-        ),
-    )
+
+    def received_ns(sentence: Sentence, message: Message) -> int:
+        if sentence.received_ns is None:
+            return message.t_ns + latency_ns
+        # what was held until now was received as much earlier as it is older
+        return sentence.received_ns - (core.told_ns - message.t_ns)
+
+    messages = translated(log, core.handle, name, received_ns)
     return Recording(
         name, messages, lambda: core.bad_input + log.is_broken, nothing=lambda: nothing(core.faults)
     )
@@ -63,7 +64,7 @@ def _nothing_received(path: str, faults: Mapping[str, int] = {}) -> InputError:
 
 def _gpsd(path: Path, vehicle: Vehicle, name: str) -> Recording:
     """What `gpspipe -w` wrote down of a gpsd."""
-    core = GpsdCore(vehicle.gps_latency_s)
+    core = GpsdCore(vehicle.gps_latency_s, recorded=True)
     latency_ns = round(vehicle.gps_latency_s * 1e9)
     log = TextFile(path)
     lines = (GpsdReport(None, line) for line in gpsd_lines(log))
@@ -77,16 +78,25 @@ def _gpsd(path: Path, vehicle: Vehicle, name: str) -> Recording:
 
 
 def _reports(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:
-    core = GpsIngestCore(vehicle.gps_latency_s)
-    rows = Readable(read_reports(source))
-    messages = translated(rows, core.handle, name, lambda report, _: report.t_ns)
+    core = GpsIngestCore(vehicle.gps_latency_s, recorded=True)
+    latency_ns = round(vehicle.gps_latency_s * 1e9)
+    log = ReportLog(source)
+    rows = Readable(log)
+    messages = translated(rows, core.handle, name, lambda _, fix: fix.t_ns + latency_ns)
+
+    def account() -> Account:
+        return Account({"of other rows": log.left_out} if log.left_out else {})
 
     def nothing() -> InputError:
+        if log.left_out and not rows.bad_input + core.bad_input:
+            asked = ", ".join(f"{column} {value}" for column, value in source.where.items())
+            what = f"none of its {log.left_out:,} rows has {asked}"
+            return InputError(source.path, what, "correct where in its [[avl]]")
         what = f"none of its {rows.bad_input + core.bad_input:,} rows has a readable time and place"
         mend = "check its columns: time ISO 8601 or Unix seconds, lat_deg and lon_deg in degrees"
         return InputError(source.path, what, mend)
 
-    return Recording(name, messages, lambda: core.bad_input + rows.bad_input, nothing=nothing)
+    return Recording(name, messages, lambda: core.bad_input + rows.bad_input, account, nothing)
 
 
 class Readable:

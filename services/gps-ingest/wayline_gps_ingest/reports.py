@@ -1,7 +1,9 @@
 """Pure: a position report of a transit system as a fix."""
 
 from wayline.inputs import PositionReport
-from wayline.messages import SPEED_MAX_MPS, GpsFix
+from wayline.messages import SPEED_MAX_MPS, TEXT_MAX, GpsFix
+
+SATELLITES_MAX = 255
 
 
 def fix_of_report(report: PositionReport) -> GpsFix | None:
@@ -21,6 +23,10 @@ def fix_of_report(report: PositionReport) -> GpsFix | None:
         course_deg=_course_deg(report.heading_deg),
         mode=2,
         fix="gps",
+        satellites=_count(report.satellites),
+        hdop=_dilution(report.hdop),
+        pdop=_dilution(report.pdop),
+        assignment=_text(report.assignment),
     )
 
 
@@ -32,3 +38,18 @@ def _course_deg(heading_deg: float | None) -> float | None:
     if heading_deg is None or not 0.0 <= heading_deg <= 360.0:
         return None
     return heading_deg % 360.0
+
+
+def _count(satellites: float | None) -> int | None:
+    if satellites is None or not 0.0 <= satellites <= SATELLITES_MAX:
+        return None
+    return int(satellites)
+
+
+def _dilution(told: float | None) -> float | None:
+    """No constellation has a dilution of 0: that is what is written for unknown."""
+    return told if told is not None and told > 0.0 else None
+
+
+def _text(told: str | None) -> str | None:
+    return told if told and len(told) <= TEXT_MAX else None

@@ -6,10 +6,11 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from wayline.avl_log import read_reports
-from wayline.drive import AvlColumns, AvlSource
+from wayline.avl_log import ReportLog, read_reports
+from wayline.drive import AvlColumn, AvlColumns, AvlSource
 from wayline.errors import InputError
 from wayline.inputs import PositionReport
+from wayline_gps_ingest.reports import fix_of_report
 
 HEADER = "time,lat,lon,heading,speed\n"
 
@@ -126,3 +127,72 @@ def test_a_packed_table_that_was_cut_is_read_so_far_and_counted(tmp_path: Path) 
     *reports, last = read_reports(table)
     assert sum(report is not None for report in reports) > 5_000
     assert last is None
+
+
+def test_quality_assignment_and_other_units_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "avl.csv"
+    path.write_text(
+        "bus,time,lat,lon,kmh,sats,hdop,pdop,block\n"
+        "7,1462459509,389000000,-77.0,36,9,0.9,1.8,SE-08\n"
+        "8,1462459510,389000000,-77.0,36,9,0.9,1.8,SE-09\n"
+        "7,1462459511,389000000,-77.0,,,,,\n"
+    )
+    columns = AvlColumns(
+        time="time",
+        lat_deg=AvlColumn(name="lat", scale=1e-7),
+        lon_deg="lon",
+        speed_mps=AvlColumn(name="kmh", scale=1.0 / 3.6),
+        satellites="sats",
+        hdop="hdop",
+        pdop="pdop",
+        assignment="block",
+    )
+    log = ReportLog(AvlSource(path=str(path), columns=columns, where={"bus": 7}))
+    first, second = log
+    assert first is not None
+    assert second is not None
+    assert first.lat_deg == pytest.approx(38.9)
+    assert first.speed_mps == pytest.approx(10.0)
+    assert (first.satellites, first.hdop, first.pdop) == (9.0, 0.9, 1.8)
+    assert first.assignment == "SE-08"
+    assert (second.satellites, second.pdop, second.assignment) == (None, None, None)
+    assert log.left_out == 1
+
+
+def test_a_condition_on_a_column_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    table = msgspec.structs.replace(source(tmp_path, HEADER), where={"bus": "7"})
+    with pytest.raises(InputError, match="no column bus for where; name one of its columns: time"):
+        list(read_reports(table))
+
+
+def test_a_year_typed_wrong_changes_no_other_row(tmp_path: Path) -> None:
+    """Not even in the hour that the end of summer time repeats."""
+    times = ("2016-11-06 01:29:00", "2061-11-06 01:30:00", "2016-11-06 01:31:00")
+    rows = "".join(f"{time},38.9,-77.0,,\n" for time in times)
+    first, _, last = read_reports(source(tmp_path, HEADER + rows, "America/New_York"))
+    assert first is not None
+    assert last is not None
+    assert last.t_ns - first.t_ns == 120 * 10**9
+
+
+@pytest.mark.parametrize(
+    ("told", "expected"),
+    [
+        ({"satellites": 7.0, "hdop": 0.8, "pdop": 1.7}, (7, 0.8, 1.7)),
+        ({"satellites": -1.0, "hdop": 0.0, "pdop": -1.0}, (None, None, None)),
+        ({"satellites": 1e300}, (None, None, None)),
+    ],
+)
+def test_what_cannot_be_of_a_sky_is_unknown(
+    told: dict[str, float], expected: tuple[int | None, float | None, float | None]
+) -> None:
+    fix = fix_of_report(msgspec.structs.replace(REPORT, **told))
+    assert fix is not None
+    assert (fix.satellites, fix.hdop, fix.pdop) == expected
+
+
+def test_an_assignment_is_text_of_at_most_256_characters() -> None:
+    for text, expected in (("SE-08", "SE-08"), ("x" * 257, None)):
+        fix = fix_of_report(PositionReport(10**18, 38.9, -77.0, assignment=text))
+        assert fix is not None
+        assert fix.assignment == expected

@@ -195,3 +195,25 @@ def test_a_time_that_cannot_be_is_counted(time: str) -> None:
     core = GpsdCore()
     assert said(core, f'{{"class":"TPV","mode":3,"time":{time},"lat":1.5,"lon":2.5}}') == []
     assert core.faults == {"report": 1}
+
+
+@pytest.mark.parametrize("recorded", [False, True])
+def test_reports_an_hour_ahead_that_do_not_last_are_dropped(recorded: bool) -> None:
+    core = GpsdCore(recorded=recorded)
+    lines = [tpv(second) for second in range(30)]
+    lines[12:15] = [line.replace("T01:", "T02:") for line in lines[12:15]]
+    out = fixes(said(core, *lines) + core.handle(Flush(0), "gps-ingest"))
+    assert [fix.t_ns // 10**9 % 3600 - 33 * 60 for fix in out] == [*range(12), *range(15, 30)]
+    assert core.faults == {"clock": 3}
+
+
+def test_the_sky_of_a_beginning_in_doubt_is_told_with_it() -> None:
+    """A log's first ten seconds wait, and lose nothing by it."""
+    lines = [line for second in range(20) for line in (tpv(second), SKY)]
+
+    def told(*, recorded: bool) -> list[tuple[type, int]]:
+        core = GpsdCore(recorded=recorded)
+        messages = said(core, *lines) + core.handle(Flush(0), "gps-ingest")
+        return [(type(each), each.t_ns) for each in messages]
+
+    assert told(recorded=True) == told(recorded=False)

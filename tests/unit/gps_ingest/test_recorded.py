@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from unit.gps_ingest.receiver import fixes, flush, hear, replay
+from unit.gps_ingest.receiver import fixes, flush, hear, replay, rmc
+from wayline.drive import Drive, DriveInfo, NmeaSource
 from wayline.nmea_log import read_sentences
 from wayline_gps_ingest.core import GpsIngestCore
+from wayline_gps_ingest.recorded import recordings
 
 SHUTTLE = Path(__file__).parents[3] / "deploy" / "demo" / "avl-shuttle" / "gps.nmea"
 
@@ -50,3 +52,27 @@ def test_the_shuttle_lap_is_193_fixes_and_19_repeats() -> None:
     assert sum(fix.repeat for fix in out) == 19
     assert core.bad_input == 0
     assert out[-1].t_ns - out[0].t_ns == 219 * 10**9
+
+
+def test_what_waited_after_a_pause_was_received_as_it_came(tmp_path: Path) -> None:
+    """By a logger whose clock is a day behind: no fix becomes a late one by waiting."""
+    seconds = [hour * 3600 + second for hour in (0, 2) for second in range(15)]
+    noon_s = 764_424_000
+    lines = [
+        f"{noon_s - 86_400 + each}.200 {rmc(f'{12 + each // 3600:02d}00{each % 60:02d}')}\n"
+        for each in seconds
+    ]
+    (tmp_path / "gps.nmea").write_text("".join(lines))
+    drive = Drive(
+        drive=DriveInfo(vehicle_id="car"), nmea=(NmeaSource(path=str(tmp_path / "gps.nmea")),)
+    )
+    (recording,) = recordings(drive, "drive.toml")
+    heard = [
+        (received_ns / 1e9 - noon_s + 86_400, message.t_ns)
+        for received_ns, message in recording.messages
+    ]
+    assert [t_ns // 10**9 - noon_s for _, t_ns in heard] == seconds
+    late_s = [received_s - seconds[at] for at, (received_s, _) in enumerate(heard)]
+    assert min(late_s) > 0.0
+    assert max(late_s) < 2.5
+    assert recording.bad_input() == 0
