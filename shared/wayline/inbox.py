@@ -28,6 +28,9 @@ class Raw(NamedTuple):
     source: str
     message: msgspec.Struct
     received_ns: int
+    """Unix time."""
+    heard_ns: int = 0
+    """The instant of receipt by the monotonic clock."""
 
 
 class Alive(NamedTuple):

@@ -187,7 +187,7 @@ class Loop:
         vehicle_id = self._settings.own_vehicle()
 
         def put(message: msgspec.Struct) -> None:
-            item = Raw(vehicle_id, feed.name, message, time.time_ns())
+            item = Raw(vehicle_id, feed.name, message, time.time_ns(), time.monotonic_ns())
             if not feed.can_wait:
                 self._inbox.put(item)
                 return
@@ -220,7 +220,7 @@ class Loop:
         if key is None or message is None or not self._attendance.admits(key):
             self._telemetry.bad()
             return
-        self._telemetry.heard(key.topic, message.t_ns, sample.received_ns)
+        self._telemetry.heard(key.topic, time.monotonic_ns() - sample.heard_ns)
         if isinstance(message, Health):
             self._receipts.hear(key.vehicle_id, message, key.source)
         if type(message) in self._service.reads:
@@ -248,7 +248,7 @@ class Loop:
         if isinstance(raw.message, Played):
             self._put(raw.vehicle_id, raw.message.message, raw.message.source)
             return
-        self._telemetry.took()
+        self._telemetry.took(time.monotonic_ns() - raw.heard_ns)
         seat = self._seats.of(raw.vehicle_id, raw.source)
         seat.hear(raw.received_ns, now_s)
         self._publish(seat, seat.node.give(raw.message, raw.source))

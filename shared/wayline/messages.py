@@ -287,7 +287,7 @@ class Horizon(Message, frozen=True, kw_only=True):
 
 
 class Health(Message, frozen=True, kw_only=True):
-    """How a service does. Lag is arrival minus t_ns."""
+    """How a service does. Lag is how long after its receipt a message is taken."""
 
     topic: ClassVar[str] = "health"
     rate_hz: ClassVar[float] = 1.0

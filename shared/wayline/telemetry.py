@@ -34,22 +34,21 @@ class Telemetry:
         self._backlog = Gauge("wayline_backlog", "Waiting in the inbox", registry=self.registry)
         self._lag = Histogram(
             "wayline_lag_seconds",
-            "Arrival minus measured instant",
+            "From receipt to being taken from the inbox",
             buckets=LAG_BUCKETS_S,
             registry=self.registry,
         )
 
-    def heard(self, topic: str, t_ns: int, received_ns: int) -> None:
-        """A message came in."""
-        self._received += 1
-        lag_s = (received_ns - t_ns) * 1e-9
-        self._lags_s.append(lag_s)
-        self._lag.observe(lag_s)
+    def heard(self, topic: str, waited_ns: int) -> None:
+        """A message was taken, so long after its receipt."""
+        self.took(waited_ns)
         self._in.labels(topic).inc()
 
-    def took(self) -> None:
-        """Something came in that was not a bus message."""
+    def took(self, waited_ns: int) -> None:
+        """Something was taken that was not a bus message, so long after its receipt."""
         self._received += 1
+        self._lags_s.append(waited_ns * 1e-9)
+        self._lag.observe(waited_ns * 1e-9)
 
     def published(self, topic: str) -> None:
         """A message went out."""

@@ -170,6 +170,15 @@ def test_a_payload_that_cannot_be_read_is_counted_and_dropped(run: Run, payload:
     running.await_odometer(at(0.05), 1.0)
 
 
+def test_the_lag_of_a_recording_is_not_its_age(run: Run) -> None:
+    running = run(echo(), ONE)
+    running.await_start()
+    running.put(fix(0.05, 55.0, 10.0))
+    health = running.await_health(lambda health: health.lag_ms_p99 is not None)
+    assert health.lag_ms_p99 is not None
+    assert 0.0 < health.lag_ms_p99 < 1_000.0
+
+
 def test_an_old_message_and_one_that_comes_twice_bring_no_ticks(run: Run) -> None:
     running = run(echo(), ONE)
     running.await_start()
