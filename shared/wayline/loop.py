@@ -86,9 +86,7 @@ class Loop:
         self._receipts = Receipts(self._listen_to_health)
         self._telemetry = Telemetry(service.name, time.time_ns(), recorded=service.is_recorded)
         self._publishers = Publishers(session)
-        self._turned_s = self._as_of_s = time.monotonic()
-        self._ahead = 0
-        """How many of the items that waited at `_as_of_s` are still to be taken."""
+        self._turned_s = self._looked_s = time.monotonic()
         self._health: Health | None = None
         self._last_drop_count = 0
 
@@ -105,7 +103,6 @@ class Loop:
                 now_s = self._turned_s = time.monotonic()
                 if item is not None:
                     self._take(item, now_s)
-                    self._ahead -= 1
                 self._let_time_pass(now_s)
                 if now_s >= next_health_s:
                     next_health_s = now_s + HEALTH_S
@@ -254,17 +251,17 @@ class Loop:
         self._publish(seat, seat.node.give(raw.message, raw.source))
 
     def _let_time_pass(self, now_s: float) -> None:
-        """Now and then look for silence, as of an instant whose items have all been taken.
+        """Now and then look for vehicles that are silent.
 
-        So a busy inbox does not hide that one vehicle is silent, and a message that waits in it
-        is not overtaken by the time that it was to tell.
+        One of which something waits is not: no message is overtaken by the time that it was to
+        tell, and a busy inbox does not hide that another vehicle is silent.
         """
-        if self._ahead > 0 or now_s - self._as_of_s < POLL_S:
+        if now_s - self._looked_s < POLL_S:
             return
+        self._looked_s = now_s
         for seat in self._seats:
-            if seat.is_due(self._as_of_s):
-                self._publish(seat, seat.pass_time(self._as_of_s))
-        self._as_of_s, self._ahead = now_s, self._inbox.backlog
+            if seat.is_due(now_s) and not self._inbox.holds(seat.vehicle_id):
+                self._publish(seat, seat.pass_time(now_s))
 
     def _publish(self, seat: Seat, messages: Iterable[Message]) -> None:
         for message in messages:
@@ -307,8 +304,13 @@ class Loop:
             self._publishers.put(self._home(), health.topic, service.name, encode(health))
             self._show(self._home(), health, service.name, Receipt(time.monotonic_ns()))
         if health.dropped > self._last_drop_count:
-            log.warning("%d messages dropped so far", health.dropped)
+            log.warning("%d messages dropped so far%s", health.dropped, self._most_dropped())
             self._last_drop_count = health.dropped
+
+    def _most_dropped(self) -> str:
+        """Of whom the inbox has just dropped most."""
+        most = self._inbox.take_dropped().most_common(1)
+        return f", just now {most[0][1]} of {most[0][0]}" if most else ""
 
     def healthz(self) -> Healthz:
         """What /healthz answers: well while the loop turns."""
