@@ -21,6 +21,7 @@ from wayline.attendance import Attendance
 from wayline.bus import Publishers, Subscription, open_session
 from wayline.codec import decode, encode
 from wayline.ending import Ending, ending_on_signals, unless_ended
+from wayline.host_clock import told_ns
 from wayline.http import Healthz
 from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
@@ -84,7 +85,7 @@ class Loop:
         self._seats = Seats(service.make_node)
         self._attendance = Attendance()
         self._receipts = Receipts(self._listen_to_health)
-        self._telemetry = Telemetry(service.name, time.time_ns(), recorded=service.is_recorded)
+        self._telemetry = Telemetry(service.name, told_ns(), recorded=service.is_recorded)
         self._publishers = Publishers(session)
         self._turned_s = self._looked_s = time.monotonic()
         self._health: Health | None = None
@@ -222,7 +223,10 @@ class Loop:
             self._receipts.hear(key.vehicle_id, message, key.source)
         if type(message) in self._service.reads:
             receipt = self._receipts.note(key.vehicle_id, message, sample)
-            self._hear(key, message, receipt, now_s)
+            if receipt is None:
+                self._telemetry.bad()
+            else:
+                self._hear(key, message, receipt, now_s)
 
     @staticmethod
     def _read(key: Key, payload: bytes) -> Message | None:
@@ -239,6 +243,11 @@ class Loop:
         if type(message) in self._service.core_reads:
             seat = self._seats.of(key.vehicle_id)
             seat.hear(message.t_ns, now_s)
+            if seat.is_back:
+                log.warning("times of %s have gone back, its core starts anew", seat.vehicle_id)
+                self._publish(seat, seat.finish())
+                seat = self._seats.renew(seat)
+                seat.hear(message.t_ns, now_s)
             self._publish(seat, seat.node.take(message, key.source, receipt.age_ns))
 
     def _take_raw(self, raw: Raw, now_s: float) -> None:
@@ -294,7 +303,7 @@ class Loop:
         service, inbox = self._service, self._inbox
         details = [feed.detail for feed in service.feeds if feed.detail]
         health = self._health = self._telemetry.health(
-            time.time_ns(),
+            told_ns(),
             inbox.backlog,
             inbox.dropped,
             service.bad_input(),
