@@ -25,7 +25,7 @@ from wayline.host_clock import told_ns
 from wayline.http import Healthz
 from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
-from wayline.keys import FLEET, Key, alive_key, parse_key
+from wayline.keys import FLEET, Key, alive_key, parse_alive_key, parse_key
 from wayline.messages import TEXT_MAX, Health, Message
 from wayline.playback import Played
 from wayline.queryable import replier
@@ -177,9 +177,9 @@ class Loop:
         self._inbox.put(Sample(key, payload, time.time_ns(), time.monotonic_ns()))
 
     def _on_alive(self, sample: zenoh.Sample) -> None:
-        parts = str(sample.key_expr).split("/")
-        up = sample.kind == zenoh.SampleKind.PUT
-        self._inbox.put(Alive(parts[2], parts[4], up))
+        if (parsed := parse_alive_key(str(sample.key_expr))) is not None:
+            up = sample.kind == zenoh.SampleKind.PUT
+            self._inbox.put(Alive(*parsed, up))
 
     def _feed(self, feed: Feed) -> None:
         vehicle_id = self._settings.own_vehicle()
@@ -215,9 +215,11 @@ class Loop:
                 return
         key = parse_key(sample.key)
         message = self._read(key, sample.payload) if key is not None else None
-        if key is None or message is None or not self._attendance.admits(key):
+        if key is None or message is None or not self._attendance.admits(key, now_s):
             self._telemetry.bad()
             return
+        if key.vehicle_id != FLEET:
+            self._attendance.hear(key.vehicle_id, now_s)
         self._telemetry.heard(key.topic, time.monotonic_ns() - sample.heard_ns)
         if isinstance(message, Health):
             self._receipts.hear(key.vehicle_id, message, key.source)
@@ -237,10 +239,7 @@ class Loop:
 
     def _hear(self, key: Key, message: Message, receipt: Receipt, now_s: float) -> None:
         self._show(key.vehicle_id, message, key.source, receipt)
-        if key.vehicle_id == FLEET:
-            return
-        self._attendance.hear(key.vehicle_id, now_s)
-        if type(message) in self._service.core_reads:
+        if key.vehicle_id != FLEET and type(message) in self._service.core_reads:
             seat = self._seats.of(key.vehicle_id)
             seat.hear(message.t_ns, now_s)
             if seat.is_back:
