@@ -109,6 +109,22 @@ class Besieged:
             assert alive, f"{service} ended: {self.system.said(service)[-2000:]}"
 
 
+def street_pose(t_ns: int, distance_m: float) -> Pose:
+    """A good pose so far along the street, which begins again at its end."""
+    lat_deg, lon_deg = place(distance_m % 2_900.0)
+    return Pose(
+        t_ns=t_ns,
+        mode="gps",
+        lat_deg=lat_deg,
+        lon_deg=lon_deg,
+        heading_deg=0.0,
+        speed_mps=SPEED_MPS,
+        distance_m=max(distance_m, 0.0),
+        east_std_m=2.0,
+        north_std_m=2.0,
+    )
+
+
 class Bus:
     """The honest vehicle: drives up its street, a pose ten times a second of the host's clock."""
 
@@ -136,19 +152,7 @@ class Bus:
 
     def pose(self, t_ns: int) -> Pose:
         """Where it is at an instant."""
-        distance_m = SPEED_MPS * (t_ns * 1e-9 - self._start_s)
-        lat_deg, lon_deg = place(distance_m % 2_900.0)
-        return Pose(
-            t_ns=t_ns,
-            mode="gps",
-            lat_deg=lat_deg,
-            lon_deg=lon_deg,
-            heading_deg=0.0,
-            speed_mps=SPEED_MPS,
-            distance_m=max(distance_m, 0.0),
-            east_std_m=2.0,
-            north_std_m=2.0,
-        )
+        return street_pose(t_ns, SPEED_MPS * (t_ns * 1e-9 - self._start_s))
 
     def _run(self) -> None:
         tenth_s = round(time.time() * 10) + 1
