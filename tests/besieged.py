@@ -73,18 +73,18 @@ class Besieged:
 
     def get(self, service: str, path: str) -> Any:
         """A service's answer with status 200."""
-        return self.ask(service, path, 200)
+        status, body = self.asked(service, path)
+        assert status == 200, f"{service}{path}: {status} {body}"
+        return body
 
-    def ask(self, service: str, path: str, status: int) -> Any:
-        """A service's answer with the status that is expected."""
+    def asked(self, service: str, path: str) -> tuple[int, Any]:
+        """Status and body of a service's answer."""
         try:
             with urllib.request.urlopen(f"{self.system.url(service)}{path}", timeout=10) as answer:
-                found, body = answer.status, answer.read()
+                return answer.status, json.loads(answer.read())
         except urllib.error.HTTPError as error:
             with error:
-                found, body = error.code, error.read()
-        assert found == status, f"{service}{path}: {found} {body[:300]!r}"
-        return json.loads(body)
+                return error.code, json.loads(error.read())
 
     def health(self, service: str) -> Health:
         """A service's last word on itself."""

@@ -10,7 +10,7 @@ import logging
 import sys
 import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager
 
@@ -27,10 +27,12 @@ from wayline.http import Healthz
 from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
 from wayline.keys import FLEET, Key, alive_key, parse_alive_key, parse_key
-from wayline.messages import TEXT_MAX, Health, Message
+from wayline.messages import TEXT_MAX, Health, Message, Missing
 from wayline.playback import Played
 from wayline.queryable import replier
+from wayline.readiness import Hearing, Lack, Readiness
 from wayline.receipts import Receipts
+from wayline.rfc3339 import rfc3339
 from wayline.seats import Seat, Seats
 from wayline.service import Feed, Service
 from wayline.settings import EVERY_VEHICLE, Settings
@@ -46,6 +48,8 @@ SWITCH_S = 0.0005
 not heard but piles up in the router, which drops anybody's messages; here it drops its own."""
 STUCK_S = 10.0
 """A loop that has not turned this long is not well."""
+
+STARTING = (Missing(subject="service", what="starting", since_ns=told_ns()),)
 
 log = logging.getLogger("wayline")
 
@@ -90,7 +94,11 @@ class Loop:
         self._seats = Seats(service.make_node)
         self._attendance = Attendance()
         self._receipts = Receipts(self._listen_to_health)
-        self._telemetry = Telemetry(service.name, told_ns(), recorded=service.is_recorded)
+        self._telemetry = Telemetry(
+            service.name, told_ns(), time.monotonic(), recorded=service.is_recorded
+        )
+        self._hearing = Hearing()
+        self._readiness = Readiness()
         self._publishers = Publishers(session)
         self._turned_s = self._looked_s = time.monotonic()
         self._health: Health | None = None
@@ -113,7 +121,8 @@ class Loop:
                 if now_s >= next_health_s:
                     next_health_s = now_s + HEALTH_S
                     self._forget_the_silent(now_s)
-                    self._tell_health()
+                    self._readiness.note(self._lacks(now_s), now_s)
+                    self._tell_health(now_s)
             self._ended.set()
             self._finish()
         self._drain()
@@ -243,6 +252,8 @@ class Loop:
             return None
 
     def _hear(self, key: Key, message: Message, receipt: Receipt, now_s: float) -> None:
+        if type(message) in self._service.inputs:
+            self._hearing.hear(now_s)
         self._show(key.vehicle_id, message, key.source, receipt)
         if key.vehicle_id != FLEET and type(message) in self._service.core_reads:
             seat = self._seats.of(key.vehicle_id)
@@ -303,15 +314,30 @@ class Loop:
             for view in self._service.views:
                 view.forget(vehicle_id)
 
-    def _tell_health(self) -> None:
-        service, inbox = self._service, self._inbox
+    def _lacks(self, now_s: float) -> Iterator[Lack]:
+        """What there is not of that which the service works with."""
+        service = self._service
+        if not self._session.info.routers_zid():
+            where = ", ".join(self._settings.bus.connect)
+            yield Lack("router", f"the bus is gone: no router at {where}")
+        for feed in service.feeds:
+            if (problem := feed.problem) is not None:
+                yield Lack(feed.name, problem)
+        if service.inputs and self._hearing.is_silent(now_s):
+            topics = ", ".join(sorted(kind.topic for kind in service.inputs))
+            yield Lack("input", f"nothing is heard of {topics}")
+
+    def _tell_health(self, now_s: float) -> None:
+        service, inbox, now_ns = self._service, self._inbox, told_ns()
         details = [feed.detail for feed in service.feeds if feed.detail]
         health = self._health = self._telemetry.health(
-            told_ns(),
-            inbox.backlog,
-            inbox.dropped,
-            service.bad_input(),
-            "; ".join(details)[:TEXT_MAX] or None,
+            now_ns,
+            now_s,
+            backlog=inbox.backlog,
+            dropped=inbox.dropped,
+            bad_input=service.bad_input(),
+            detail="; ".join(details)[:TEXT_MAX] or None,
+            missing=self._readiness.missing(now_s, now_ns),
         )
         if service.is_announced:
             self._publishers.put(self._home(), health.topic, service.name, encode(health))
@@ -326,13 +352,19 @@ class Loop:
         return f", just now {most[0][1]} of {most[0][0]}" if most else ""
 
     def healthz(self) -> Healthz:
-        """What /healthz answers: well while the loop turns."""
+        """What the probes answer: alive while the loop turns, ready where nothing is missing."""
         stuck_s = time.monotonic() - self._turned_s
+        alive = stuck_s < STUCK_S
+        missing = self._health.missing if self._health is not None else STARTING
+        wrong = [] if alive else [f"the loop has not turned for {stuck_s:.0f} s"]
+        wrong += [f"{each.subject}: {each.what} since {rfc3339(each.since_ns)}" for each in missing]
         return Healthz(
-            ok=stuck_s < STUCK_S,
+            ok=alive and not missing,
             service=self._service.name,
             version=__version__,
-            detail=None if stuck_s < STUCK_S else f"the loop has not turned for {stuck_s:.0f} s",
+            alive=alive,
+            detail="; ".join(wrong) or None,
+            missing=missing,
             health=self._health,
         )
 

@@ -294,6 +294,16 @@ class Horizon(Message, frozen=True, kw_only=True):
     points: Annotated[tuple[HorizonPoint, ...], AtMost] = ()
 
 
+class Missing(msgspec.Struct, frozen=True, kw_only=True):
+    """Something that a service works with and lacks."""
+
+    subject: Text
+    """`router`, `input` for what it reads from the bus, `database`, or a source's name."""
+    what: Text
+    """What is wrong with it, for people."""
+    since_ns: TimeNs
+
+
 class Health(Message, frozen=True, kw_only=True):
     """How a service does. Lag is how long after its receipt a message is taken."""
 
@@ -307,10 +317,16 @@ class Health(Message, frozen=True, kw_only=True):
     out_rate_hz: NonNegative = 0.0
     backlog: Count = 0
     dropped: Count = 0
+    dropped_rate_hz: NonNegative = 0.0
+    """Over the last ten seconds."""
     bad_input: Count = 0
+    bad_input_rate_hz: NonNegative = 0.0
+    """Over the last ten seconds."""
     lag_ms_p50: Quantity | None = None
     lag_ms_p99: Quantity | None = None
     detail: Text | None = None
+    missing: Annotated[tuple[Missing, ...], AtMost] = ()
+    """Empty where the service is ready."""
     recorded: bool = False
     """What this source publishes is a recording that is played, so its times may be old."""
 

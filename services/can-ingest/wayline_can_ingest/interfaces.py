@@ -79,6 +79,12 @@ class Interface:
         """How the interface does, for `health`."""
         return self.condition.text
 
+    @property
+    def problem(self) -> str | None:
+        """Why no mapped frame comes; None where some do."""
+        condition = self.condition
+        return None if condition.problem is None else f"{condition.name}: {condition.problem}"
+
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
         """Read until told to stop; open anew whenever the reader ends, dies, hangs or is deaf."""
         failures = 0

@@ -68,6 +68,7 @@ class Given:
 
     name = "echo-2"
     detail = "given"
+    problem: str | None = None
 
     def __init__(
         self, run: Callable[[Callable[[msgspec.Struct], None]], None], *, can_wait: bool = True

@@ -8,7 +8,7 @@ from wayline.telemetry import Telemetry
 
 
 def health(telemetry: Telemetry, seconds: float) -> Health:
-    return telemetry.health(at(seconds), backlog=0, dropped=0, bad_input=0, detail=None)
+    return telemetry.health(at(0), seconds, backlog=0, dropped=0, bad_input=0, detail=None)
 
 
 def test_rates_are_those_since_the_last_health() -> None:
@@ -24,6 +24,22 @@ def test_rates_are_those_since_the_last_health() -> None:
     assert second.started_ns == at(0)
 
 
+def test_faults_are_told_as_a_rate_and_leave_no_scar() -> None:
+    telemetry = Telemetry("fusion", at(0))
+    told = []
+    for second in range(1, 30):
+        if second == 5:
+            telemetry.lost(20)
+            telemetry.bad()
+        told.append(health(telemetry, second))
+    rates = [(each.dropped_rate_hz, each.bad_input_rate_hz) for each in told]
+    assert rates[3] == (0.0, 0.0)
+    assert rates[4] == (about(4.0), about(0.2))
+    assert rates[12] == (about(2.0), about(0.1))
+    assert rates[15:] == [(0.0, 0.0)] * 14
+    assert told[-1].dropped == 20
+
+
 def test_lag_is_how_long_messages_wait_before_they_are_taken() -> None:
     telemetry = Telemetry("fusion", at(0))
     assert health(telemetry, 1).lag_ms_p50 is None
@@ -37,7 +53,7 @@ def test_what_the_bus_lost_and_the_inbox_dropped_add_up_and_so_does_bad_input() 
     telemetry = Telemetry("fusion", at(0))
     telemetry.lost(3)
     telemetry.bad()
-    counted = telemetry.health(at(1), backlog=4, dropped=2, bad_input=6, detail="playing")
+    counted = telemetry.health(at(1), 1.0, backlog=4, dropped=2, bad_input=6, detail="playing")
     assert (counted.dropped, counted.bad_input, counted.backlog) == (5, 7, 4)
     assert counted.detail == "playing"
 
