@@ -22,9 +22,9 @@ from wayline.attendance import Attendance
 from wayline.bus import Publishers, Subscription, open_session
 from wayline.codec import decode, encode
 from wayline.ending import Ending, ending_on_signals, unless_ended
+from wayline.front import Front
 from wayline.host_clock import told_ns
 from wayline.http import Healthz
-from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
 from wayline.keys import FLEET, Key, alive_key, parse_alive_key, parse_key
 from wayline.messages import TEXT_MAX, Health, Message, Missing
@@ -59,7 +59,9 @@ def run(service: Service, settings: Settings) -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(name)s %(message)s")
     logging.getLogger("uvicorn").setLevel(logging.WARNING)
     sys.setswitchinterval(SWITCH_S)
-    with ending_on_signals() as ending:
+    telemetry = Telemetry(service.name, told_ns(), time.monotonic(), recorded=service.is_recorded)
+    front = Front(service, settings, telemetry)
+    with ending_on_signals() as ending, front.serving():
         session = unless_ended(
             lambda: open_session(settings.bus),
             ending,
@@ -70,7 +72,9 @@ def run(service: Service, settings: Settings) -> None:
             return
         with session:
             log.info("%s %s started", service.name, __version__)
-            Loop(service, settings, session, ending).run()
+            loop = Loop(service, settings, session, ending, telemetry=telemetry)
+            front.ask = loop.healthz
+            loop.run()
     log.info("%s stopped", service.name)
 
 
@@ -83,7 +87,9 @@ class Loop:
         settings: Settings,
         session: zenoh.Session,
         ending: Ending,
+        *,
         inbox: Inbox | None = None,
+        telemetry: Telemetry | None = None,
     ) -> None:
         self._service, self._settings, self._session = service, settings, session
         self._ending = ending
@@ -94,7 +100,7 @@ class Loop:
         self._seats = Seats(service.make_node)
         self._attendance = Attendance()
         self._receipts = Receipts(self._listen_to_health)
-        self._telemetry = Telemetry(
+        self._telemetry = telemetry or Telemetry(
             service.name, told_ns(), time.monotonic(), recorded=service.is_recorded
         )
         self._hearing = Hearing()
@@ -142,12 +148,6 @@ class Loop:
     def _open(self, stack: contextlib.ExitStack) -> None:
         service, settings = self._service, self._settings
         served = settings.served()
-        if service.make_app is not None:
-            app = service.make_app(self.healthz, self._telemetry)
-            server = HttpServer(app, settings.http_of(service.name))
-            server.start()
-            stack.callback(server.stop)
-            log.info("%s answers on %s", service.name, server.url)
         for query, answer in service.answers.items():
             queryable = self._session.declare_queryable(query, replier(answer))
             stack.callback(queryable.undeclare)

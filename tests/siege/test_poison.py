@@ -22,7 +22,7 @@ SAID = st.sampled_from(list(TOPICS)).flatmap(
 
 
 ATTACK = settings(
-    max_examples=500,
+    max_examples=150,
     database=None,
     deadline=None,
     phases=[Phase.generate],
@@ -31,7 +31,7 @@ ATTACK = settings(
 
 
 def attack(besieged: Besieged) -> None:
-    """Five hundred damaged payloads of all topics, of two vehicles."""
+    """Some damaged payloads of all topics, of two vehicles."""
     vehicles = itertools.cycle((EVIL, "eve"))
 
     @ATTACK
@@ -60,7 +60,7 @@ def test_poison_of_one_vehicle_is_noticed_by_nobody_else(besieged: Besieged, bus
     for service, before in bad_before.items():
         assert besieged.health(service).bad_input > before + 10
     # the bus keeps the last value of slow topics for whoever comes later
-    for service in besieged.services if lasting_s(0.0) else ("eta", "dashboard"):
+    for service in besieged.services if lasting_s(0.0) else ("eta",):
         besieged.restart(service)
     bus.await_known()
     assert_all_goes_on(besieged, bus)

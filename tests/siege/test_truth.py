@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from besieged import Besieged, await_true
+from besieged import WAIT_S, Besieged, await_true
 from outlets import Talker, TcpOutlet
 from street import VEHICLE
 
@@ -66,6 +66,20 @@ def shown(besieged: Besieged) -> dict[str, Any]:
     view = besieged.get("dashboard", "/v1/view")
     own = [each for vehicle in view["vehicles"] for each in vehicle.get("services") or ()]
     return {each["service"]: each for each in [*view["services"], *own]}
+
+
+def test_a_service_that_waits_for_its_router_answers_for_itself(tmp_path: Path) -> None:
+    besieged = Besieged(tmp_path, ("eta",))
+    with besieged.system as system:
+        system.start("eta")
+        system.await_said("eta", "waiting for a router", WAIT_S)
+        assert besieged.get("eta", "/livez")["ok"]
+        status, ready = besieged.asked("eta", "/readyz")
+        assert (status, [each["subject"] for each in ready["missing"]]) == (503, ["router"])
+        assert "no router at tcp/127.0.0.1" in ready["detail"]
+        assert besieged.get("eta", "/v1/routes")["routes"]
+        system.start_router()
+        await_true(lambda: missing(besieged, "eta").keys() == {"input"}, "the bus is joined")
 
 
 def test_refused_receivers_silent_buses_and_a_dead_router_are_told(

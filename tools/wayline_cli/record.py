@@ -69,7 +69,7 @@ def record_bus(
     """Write what arrives on a session; what has arrived when it ends is still written."""
     log = Log(writer)
     service = Service("record", take_sample=log.write, is_announced=False)
-    loop = Loop(service, Settings(vehicles=(EVERY_VEHICLE,)), session, ending, inbox)
+    loop = Loop(service, Settings(vehicles=(EVERY_VEHICLE,)), session, ending, inbox=inbox)
     timer = threading.Timer(seconds or 0.0, ending.request)
     if seconds is not None:
         timer.start()

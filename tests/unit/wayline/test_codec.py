@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lasting import examples
 from poison import NOT_UTF8, PAYLOADS, damaged, messages
 from wayline.codec import decode, encode
 from wayline.messages import TOPICS
@@ -24,7 +25,7 @@ def test_text_that_is_not_utf8_is_an_error_of_decoding(topic: str) -> None:
 
 
 @pytest.mark.parametrize("topic", TOPICS)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(data=st.data())
 def test_a_damaged_payload_is_a_message_or_an_error_of_decoding(
     topic: str, data: st.DataObject
@@ -38,7 +39,7 @@ def test_a_damaged_payload_is_a_message_or_an_error_of_decoding(
 
 
 @pytest.mark.parametrize("topic", TOPICS)
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(data=st.data())
 def test_what_lies_within_the_bounds_comes_as_it_was_sent(topic: str, data: st.DataObject) -> None:
     message = data.draw(messages(topic))
