@@ -7,7 +7,6 @@ and ends the process, whose supervisor starts it again.
 
 import contextlib
 import logging
-import sys
 import threading
 import time
 from collections.abc import Iterable, Iterator
@@ -19,10 +18,9 @@ import zenoh
 
 from wayline import __version__
 from wayline.attendance import Attendance
-from wayline.bus import Publishers, Subscription, open_session
+from wayline.bus import Publishers, Subscription
 from wayline.codec import decode, encode
-from wayline.ending import Ending, ending_on_signals, unless_ended
-from wayline.front import Front
+from wayline.ending import Ending
 from wayline.host_clock import told_ns
 from wayline.http import Healthz
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
@@ -43,39 +41,12 @@ POLL_S = 0.05
 HEALTH_S = 1.0
 QUIET_S = 30.0
 """A vehicle that is not heard so long has no publishers, whose heartbeats would go on."""
-SWITCH_S = 0.0005
-"""How long the working thread keeps Python from Zenoh's threads. At Python's own 5 ms a flood is
-not heard but piles up in the router, which drops anybody's messages; here it drops its own."""
 STUCK_S = 10.0
 """A loop that has not turned this long is not well."""
 
 STARTING = (Missing(subject="service", what="starting", since_ns=told_ns()),)
 
 log = logging.getLogger("wayline")
-
-
-def run(service: Service, settings: Settings) -> None:
-    """Run a service until SIGTERM or Ctrl-C. Raises InputError for bad configuration."""
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(name)s %(message)s")
-    logging.getLogger("uvicorn").setLevel(logging.WARNING)
-    sys.setswitchinterval(SWITCH_S)
-    telemetry = Telemetry(service.name, told_ns(), time.monotonic(), recorded=service.is_recorded)
-    front = Front(service, settings, telemetry)
-    with ending_on_signals() as ending, front.serving():
-        session = unless_ended(
-            lambda: open_session(settings.bus),
-            ending,
-            patience_s=1.0,
-            waiting=lambda: log.info("waiting for a router at %s", ", ".join(settings.bus.connect)),
-        )
-        if session is None:
-            return
-        with session:
-            log.info("%s %s started", service.name, __version__)
-            loop = Loop(service, settings, session, ending, telemetry=telemetry)
-            front.ask = loop.healthz
-            loop.run()
-    log.info("%s stopped", service.name)
 
 
 class Loop:
