@@ -13,7 +13,7 @@ IDLE_S = 1.0
 
 BACK_NS = 3_000_000_000
 """Before the newest by more, a message is not late but of another time."""
-BACK_FOR_S = 3.0
+BACK_FOR_S = 2.0
 BACK_MESSAGES = 3
 """So long and so often nothing but older times: the newest ones were wrong."""
 
