@@ -1,26 +1,28 @@
 """Reads a CSV of a transit system's position reports, by the mapping of an `[[avl]]` table."""
 
-import csv
 import datetime as dt
-import math
+import re
 import zoneinfo
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
-from wayline.drive import AvlColumns, AvlSource
+from wayline.csv_file import CsvFile, Row, number_of
+from wayline.drive import AvlSource
 from wayline.errors import InputError
 from wayline.inputs import PositionReport
+from wayline.messages import EARLIEST_NS, LATEST_NS
 
 MILLISECONDS_FROM = 1e11
 """Plain numbers from here on are Unix time in milliseconds, below in seconds."""
-LATEST_NS = 4_102_444_800 * 1_000_000_000
-"""The year 2100; later times are none."""
+DAY_FIRST = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})(?!\d)")
 
 
 def read_reports(source: AvlSource) -> Iterator[PositionReport | None]:
     """The rows in order; a row without a readable time and position is None, for counting.
 
-    Times are ISO 8601 (with `T` or a space), local to the source's timezone where they carry no
+    The file is CSV as `wayline.csv_file` reads it. Times are ISO 8601 (with `T` or a space, also
+    2026/11/22 and 22.11.2026 for the day), local to the source's timezone where they carry no
     offset, or Unix time in seconds or milliseconds. In the hour that the end of summer time
     repeats, a time earlier than the row before is the second one.
 
@@ -28,28 +30,16 @@ def read_reports(source: AvlSource) -> Iterator[PositionReport | None]:
     column that is not in the header.
     """
     zone = _zone(source)
-    path = Path(source.path)
-    try:
-        with path.open(newline="", encoding="utf-8-sig", errors="replace") as file:
-            rows = csv.DictReader(file)
-            _check_header(source, rows.fieldnames or ())
-            yield from _reports(rows, source.columns, zone)
-    except OSError as error:
-        raise InputError(
-            str(path), f"cannot be read ({error.strerror})", "check the path"
-        ) from None
-    except csv.Error as error:
-        raise InputError(str(path), f"is not CSV ({error})", "check the file") from None
-
-
-def _reports(
-    rows: "csv.DictReader[str]", columns: AvlColumns, zone: zoneinfo.ZoneInfo
-) -> Iterator[PositionReport | None]:
+    file = CsvFile(Path(source.path))
+    rows = file.rows()
+    columns = _columns(source, next(rows, Row(1, [])).cells)
     last_ns = 0
     for row in rows:
-        report = _report(row, columns, zone, last_ns)
+        report = _report(columns.of(row), zone, last_ns)
         last_ns = report.t_ns if report else last_ns
         yield report
+    if file.is_broken:
+        yield None
 
 
 def _zone(source: AvlSource) -> zoneinfo.ZoneInfo:
@@ -63,55 +53,74 @@ def _zone(source: AvlSource) -> zoneinfo.ZoneInfo:
         ) from None
 
 
-def _check_header(source: AvlSource, header: Sequence[str]) -> None:
+class _Cells(NamedTuple):
+    """The mapped cells of a row; empty where there is none."""
+
+    time: str
+    lat_deg: str
+    lon_deg: str
+    heading_deg: str
+    speed_mps: str
+
+
+class _Places(NamedTuple):
+    """Where the mapped columns are; None where one is not mapped."""
+
+    time: int
+    lat_deg: int
+    lon_deg: int
+    heading_deg: int | None
+    speed_mps: int | None
+
+    def of(self, row: Row) -> _Cells:
+        """The mapped cells of a row."""
+        count = len(row.cells)
+        return _Cells(*(row.cells[at] if at is not None and at < count else "" for at in self))
+
+
+def _columns(source: AvlSource, header: list[str]) -> _Places:
     columns = source.columns
-    mapped = {
-        "time": columns.time,
-        "lat_deg": columns.lat_deg,
-        "lon_deg": columns.lon_deg,
-        "heading_deg": columns.heading_deg,
-        "speed_mps": columns.speed_mps,
-    }
-    for quantity, name in mapped.items():
-        if name is not None and name not in header:
+
+    def place(quantity: str, name: str) -> int:
+        if name.strip() not in header:
             raise InputError(
                 source.path,
                 f"no column {name} for {quantity}",
                 f"name one of its columns: {', '.join(header) or 'none, the file is empty'}",
             )
+        return header.index(name.strip())
+
+    heading, speed = columns.heading_deg, columns.speed_mps
+    return _Places(
+        place("time", columns.time),
+        place("lat_deg", columns.lat_deg),
+        place("lon_deg", columns.lon_deg),
+        None if heading is None else place("heading_deg", heading),
+        None if speed is None else place("speed_mps", speed),
+    )
 
 
-def _report(
-    row: dict[str, str], columns: AvlColumns, zone: zoneinfo.ZoneInfo, last_ns: int
-) -> PositionReport | None:
-    t_ns = _time_ns(row[columns.time] or "", zone, last_ns)
-    lat_deg, lon_deg = _number(row[columns.lat_deg]), _number(row[columns.lon_deg])
+def _report(cells: _Cells, zone: zoneinfo.ZoneInfo, last_ns: int) -> PositionReport | None:
+    t_ns = _time_ns(cells.time, zone, last_ns)
+    lat_deg, lon_deg = number_of(cells.lat_deg), number_of(cells.lon_deg)
     if t_ns is None or lat_deg is None or lon_deg is None:
         return None
     return PositionReport(
         t_ns=t_ns,
         lat_deg=lat_deg,
         lon_deg=lon_deg,
-        heading_deg=_number(row[columns.heading_deg]) if columns.heading_deg else None,
-        speed_mps=_number(row[columns.speed_mps]) if columns.speed_mps else None,
+        heading_deg=number_of(cells.heading_deg),
+        speed_mps=number_of(cells.speed_mps),
     )
 
 
-def _number(text: str | None) -> float | None:
-    try:
-        value = float(text or "")
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
-
-
 def _time_ns(text: str, zone: zoneinfo.ZoneInfo, last_ns: int) -> int | None:
-    unix = _number(text)
+    unix = number_of(text)
     if unix is not None:
         per_unit = 1_000 if unix >= MILLISECONDS_FROM else 1_000_000
         return _plausible(round(unix * per_unit) * 1_000)
     try:
-        written = dt.datetime.fromisoformat(text.strip())
+        written = dt.datetime.fromisoformat(_iso(text))
     except ValueError:
         return None
     if written.tzinfo is not None:
@@ -122,8 +131,13 @@ def _time_ns(text: str, zone: zoneinfo.ZoneInfo, last_ns: int) -> int | None:
     return _plausible(t_ns)
 
 
+def _iso(text: str) -> str:
+    """Year first or, with dots, day first; what has the month first is not told from either."""
+    return DAY_FIRST.sub(r"\3-\2-\1", text.replace("/", "-"), count=1)
+
+
 def _plausible(t_ns: int) -> int | None:
-    return t_ns if 0 <= t_ns < LATEST_NS else None
+    return t_ns if EARLIEST_NS <= t_ns <= LATEST_NS else None
 
 
 def _unix_ns(instant: dt.datetime) -> int:

@@ -93,11 +93,17 @@ class CanMapping(Strict, frozen=True, kw_only=True):
 
 
 class CanSource(CanMapping, frozen=True, kw_only=True):
-    """`[[can]]`: anything that python-can's LogReader opens, and the mapping of its signals."""
+    """`[[can]]`: a recording of a bus (docs/your-own-drive.md), and the mapping of its signals."""
 
     path: str | tuple[str, ...]
     channel: str | int | None = None
-    """Read only this one of the recording's channels."""
+    """Read only this one of the recording's channels, as the file itself names or numbers it."""
+    own_frames: bool = False
+    """Take also frames that the logger sent itself (Tx)."""
+    timezone: str = "UTC"
+    """Of a header's date that is by the clock on the wall, and of `date`."""
+    date: dt.date | None = None
+    """Day on which the times of a recording without a date begin, at midnight."""
 
     @property
     def paths(self) -> tuple[str, ...]:

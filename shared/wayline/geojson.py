@@ -6,6 +6,7 @@ from typing import Any, Literal, TypeVar
 import msgspec
 
 from wayline.errors import InputError
+from wayline.text_file import read_text
 
 Properties = TypeVar("Properties", bound=msgspec.Struct)
 RFC = "see RFC 7946, or make the file with `wayline route import`"
@@ -62,16 +63,13 @@ class FeatureCollection(msgspec.Struct, frozen=True):
 
 def read_features(path: Path) -> list[Feature]:
     """The features of a GeoJSON file; InputError where it is missing or something else."""
+    text = read_text(path)
     try:
-        content = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError(str(path), "no such file", "check the path") from None
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error})", "check the file") from None
-    try:
-        return msgspec.json.decode(content, type=FeatureCollection).features
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        return msgspec.json.decode(text, type=FeatureCollection).features
+    except msgspec.DecodeError as error:
         raise InputError(str(path), f"is not a GeoJSON FeatureCollection ({error})", RFC) from None
+    except RecursionError:
+        raise InputError(str(path), "is nested too deep to be GeoJSON", RFC) from None
 
 
 def read_properties(

@@ -25,6 +25,11 @@ def horizontal_std_m(fix: GpsFix, tuning: Tuning) -> float:
     return std_m if is_good(fix, tuning) else std_m * tuning.bad_gps_factor
 
 
+def has_altitude(fix: GpsFix) -> bool:
+    """Whether a fix tells an altitude of its own; a 2-D fix holds the one before it."""
+    return fix.valid and fix.alt_m is not None and fix.mode != 2
+
+
 def altitude_std_m(fix: GpsFix, tuning: Tuning) -> float:
     """One sigma of a fix's altitude: its own where reported, else from VDOP or the horizontal."""
     if fix.v_std_m is not None:

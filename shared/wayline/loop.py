@@ -25,7 +25,7 @@ from wayline.host_clock import told_ns
 from wayline.http import Healthz
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
 from wayline.keys import FLEET, Key, alive_key, parse_alive_key, parse_key
-from wayline.messages import TEXT_MAX, Health, Message, Missing
+from wayline.messages import Health, Message, Missing
 from wayline.playback import Played
 from wayline.queryable import replier
 from wayline.readiness import Hearing, Lack, Readiness
@@ -34,7 +34,7 @@ from wayline.rfc3339 import rfc3339
 from wayline.seats import Seat, Seats
 from wayline.service import Feed, Service
 from wayline.settings import EVERY_VEHICLE, Settings
-from wayline.telemetry import Telemetry
+from wayline.telemetry import Telemetry, joined
 from wayline.view import Receipt
 
 POLL_S = 0.05
@@ -300,14 +300,14 @@ class Loop:
 
     def _tell_health(self, now_s: float) -> None:
         service, inbox, now_ns = self._service, self._inbox, told_ns()
-        details = [feed.detail for feed in service.feeds if feed.detail]
+        details = joined([feed.detail for feed in service.feeds if feed.detail])
         health = self._health = self._telemetry.health(
             now_ns,
             now_s,
             backlog=inbox.backlog,
             dropped=inbox.dropped,
             bad_input=service.bad_input(),
-            detail="; ".join(details)[:TEXT_MAX] or None,
+            detail=details or None,
             missing=self._readiness.missing(now_s, now_ns),
         )
         if service.is_announced:

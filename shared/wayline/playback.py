@@ -1,6 +1,5 @@
 """Plays a drive's recordings paced as it was driven, as a feed of an ingest service."""
 
-import heapq
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -10,7 +9,7 @@ import msgspec
 
 from wayline.messages import Message
 from wayline.play_clock import LEAD_S, PlayClock
-from wayline.received import Received, Recording, in_order
+from wayline.received import Received, Recording, Sources
 
 PAUSE_NS = 1_000_000_000
 """Between the end of a loop and the next one's start."""
@@ -105,10 +104,7 @@ class Playback:
     def _received(self) -> Iterator[Received]:
         self._bad_input = self.bad_input
         self._playing = self._open_recordings()
-        return heapq.merge(
-            *(in_order(order, recording) for order, recording in enumerate(self._playing)),
-            key=lambda received: received[:2],
-        )
+        return iter(Sources(self._playing))
 
     def _own_clock(self, stop: threading.Event) -> PlayClock | None:
         """Where the own recordings begin, and, to loop, how long they last; None if empty."""

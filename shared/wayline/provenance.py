@@ -4,7 +4,7 @@ from wayline.messages import Health
 
 LATE_NS = 10_000_000_000
 """Messages this much behind are late, or of a recording."""
-UNKNOWN_S = 3.0
+UNKNOWN_S = 5.0
 """Health comes once a second; until it has, what is behind is not judged."""
 
 

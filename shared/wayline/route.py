@@ -17,6 +17,9 @@ DEFAULT_SPEED_MPS = 8.0
 CLOSED_WITHIN_M = 0.5
 """How near a loop's last vertex must be to its first."""
 
+LEG_MAX_M = 500_000.0
+"""Between two vertices; a longer one has a mistake in an end, as an exchanged latitude."""
+
 
 class Route:
     """A directed line with one planned speed a leg, and stops in order of travel.
@@ -106,11 +109,13 @@ def make_route(
         )
     lats_deg, lons_deg = np.array(vertices, dtype=np.float64).T
     speeds = _leg_speeds(where, len(vertices) - 1, speeds_mps)
-    moves = (np.diff(lats_deg) != 0.0) | (np.diff(lons_deg) != 0.0)
+    # degrees may differ where places do not: at a pole, at both ends of the longitudes
+    moves = Line(lats_deg, lons_deg).legs_m > 0.0
     if not moves.any():
         raise InputError(where, "all points of the line are one", "a route needs two or more")
     kept = np.concatenate(([True], moves))
     line = Line(lats_deg[kept], lons_deg[kept])
+    _check_legs(where, line)
     if loop:
         _check_closed(where, line)
     placed = place_stops(where, line, stops, loop=loop)
@@ -135,6 +140,17 @@ def _leg_speeds(where: str, legs: int, speeds_mps: Sequence[float] | None) -> Fl
             "give every leg a speed above 0 in m/s",
         )
     return speeds
+
+
+def _check_legs(where: str, line: Line) -> None:
+    leg = int(line.legs_m.argmax())
+    if line.legs_m[leg] > LEG_MAX_M:
+        ends = " to ".join(f"{line.lats_deg[at]:g}, {line.lons_deg[at]:g}" for at in (leg, leg + 1))
+        raise InputError(
+            where,
+            f"a leg of {line.legs_m[leg] / 1000.0:,.0f} km (latitude, longitude {ends})",
+            "correct that point, or exchange its latitude and longitude",
+        )
 
 
 def _check_closed(where: str, line: Line) -> None:

@@ -17,7 +17,7 @@ from wayline.http import Healthz, create_service_app
 from wayline.play_clock import PlayClock, agree
 from wayline.playback import Playback, PlayOptions
 from wayline.process import run
-from wayline.received import Recording
+from wayline.received import Recording, begun
 from wayline.route import Route
 from wayline.route_file import load_route
 from wayline.service import Service
@@ -74,11 +74,30 @@ def _settings(options: argparse.Namespace, *, plays: bool) -> Settings:
     return replace(settings, vehicle_id=vehicle_id, vehicles=())
 
 
+def player(
+    name: str, settings: Settings, options: argparse.Namespace, open_recordings: OpenRecordings
+) -> Service:
+    """A service that plays the recordings of `--drive`. Raises InputError."""
+    played = playback(name, settings, options, open_recordings)
+    return Service(
+        name,
+        feeds=[played],
+        make_app=plain_app(name, settings),
+        bad_input=lambda: played.bad_input,
+        is_recorded=True,
+    )
+
+
 def playback(
     name: str, settings: Settings, options: argparse.Namespace, open_recordings: OpenRecordings
 ) -> Playback:
-    """The feed that plays the recordings of `--drive`, in step with the other players."""
+    """The feed that plays the recordings of `--drive`, in step with the other players.
+
+    Raises InputError where nothing of them can be read; what is only partly so is said.
+    """
     vehicle_id = settings.own_vehicle()
+    for warning in begun(open_recordings()).warnings:
+        sys.stderr.write(f"wayline-{name}: warning: {warning}\n")
 
     @contextmanager
     def agreed(own: PlayClock) -> Iterator[PlayClock]:

@@ -1,20 +1,36 @@
 """Pure: counts what a service does, for `health` and for Prometheus."""
 
 from collections import deque
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram
 
 from wayline import __version__
-from wayline.messages import Health, Missing
+from wayline.messages import TEXT_MAX, Health, Missing
 
 LAGS_KEPT = 2_000
+SEPARATOR = "; "
 LAG_BUCKETS_S = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
-
-
 FAULTS_KEPT = 10
 """Told once a second: faults are those of the last ten seconds, for nobody sees a single one."""
+
+
+def joined(details: Sequence[str]) -> str:
+    """Details as one text of a message; where that is too long, the longest are cut alike."""
+    room = TEXT_MAX - len(SEPARATOR) * max(len(details) - 1, 0)
+    most = room
+    for place, length in enumerate(sorted(map(len, details))):
+        most = room // (len(details) - place)
+        if length > most:
+            break
+        room -= length
+    return SEPARATOR.join(_cut(each, max(most, 1)) for each in details)[:TEXT_MAX]
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else text[: most - 1] + "…"
 
 
 class Counts(NamedTuple):

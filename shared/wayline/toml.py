@@ -16,7 +16,7 @@ def load_toml(path: Path, struct: type[StructType]) -> StructType:
 def read_toml(path: Path) -> dict[str, Any]:
     """The tables of a file, or raise InputError."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise InputError(str(path), "no such file", "check the path") from None
     except (OSError, UnicodeDecodeError) as error:

@@ -142,8 +142,8 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Each can be run alone, as papers/004 does."""
     slope_initial_std_pct: Positive = 4.0
     """Roads are rarely steeper than 8 %."""
-    slope_walk_pct_per_sqrt_m: Positive = 0.15
-    """Vertical curves: 2 % in 200 m."""
+    slope_walk_pct_per_sqrt_m: Positive = 0.22
+    """Vertical curves: 2 % in 80 m."""
     baro_bias_initial_std_m: Positive = 150.0
     """Weather: 1013 hPa plus or minus 20."""
     baro_bias_walk_m_per_sqrt_s: Positive = 0.05
@@ -152,11 +152,12 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Noise of a barometer besides its resolution."""
     baro_resolution_std_max_m: Positive = 5.0
     """Coarser barometers say nothing of the road."""
-    altitude_gate_nis: Positive = 15.0
-    """A fix's altitude further off than this (squared, in stds) is left out, unless
-    `altitude_rejections_max` in a row were."""
-    altitude_rejections_max: int = 10
-    """After so many altitudes left out in a row the next one is believed."""
+    baro_relock_after_s: Positive = 10.0
+    """Pressures rejected this long: a window was opened; a tunnel's gust is over sooner."""
+    gps_altitude_error_time_s: Positive = 90.0
+    """Correlation time of an altitude error: between reflections (a minute) and the air (more)."""
+    gps_altitude_error_share: Probability = 0.9
+    """Share of an altitude's variance that varies slowly; the rest is white."""
 
     # eta
     route_filter: Literal["default", "avl"] = "default"
@@ -179,20 +180,8 @@ class Tuning(Strict, frozen=True, kw_only=True):
     # slope map
     map_bin_m: Annotated[float, Meta(ge=1.0, le=100.0)] = 20.0
     """Length of a new road's bins; papers/004 section 5.5 finds 20 m enough for main roads."""
-    map_slope_walk_pct_per_sqrt_m: Positive = 0.25
-    """Roads change their grade by 2 % in 100 m; a little more, so that runs average well."""
-    map_gps_error_time_s: Positive = 60.0
-    """Correlation time of an altitude's error: phones and car receivers wander 1.8 m in 10 s."""
-    map_gps_white_share: Annotated[float, Meta(gt=0.0, lt=1.0)] = 0.1
-    """Share of an altitude's std that is new in every fix."""
     map_gps_std_max_m: Positive = 20.0
     """A worse altitude (cold start, poor dilution) says nothing of the slope."""
-    map_barometer_std_m: Positive = 0.5
-    """Wind and ventilation, besides the rounding."""
-    map_barometer_walk_m_per_sqrt_s: Positive = 0.1
-    """Weather and the air pressure of driving: 3 m in a quarter of an hour."""
-    map_barometer_step_max_m: Positive = 10.0
-    """A coarser barometer says nothing of the slope; papers/004 used one of 4.2 m."""
     map_grade_std_max_pct: Positive = 5.0
     """A bin known worse by a run is not learned from it."""
     map_position_std_max_m: Positive = 25.0

@@ -167,11 +167,53 @@ def test_what_finds_no_room_is_counted(session: zenoh.Session, tmp_path: Path) -
     assert result == Recorded({"gyro": 2}, 3, 0, 0)
 
 
-def test_a_recording_ends_after_its_seconds(session: zenoh.Session, tmp_path: Path) -> None:
+def test_a_recording_ends_after_its_seconds(bus: BusSettings, tmp_path: Path) -> None:
     began_s = time.monotonic()
-    with McapWriter(tmp_path / "a.mcap") as writer:
-        record_bus(session, writer, Ending(), seconds=0.3)
+    record(tmp_path / "a.mcap", bus, seconds=0.3)
     assert 0.3 <= time.monotonic() - began_s < 2.0
+    assert is_finished(tmp_path / "a.mcap")
+
+
+def test_seconds_bound_the_wait_for_a_router_too(tmp_path: Path) -> None:
+    """What is there already stays, and so does the place of what is not."""
+    nowhere = BusSettings(connect=(f"tcp/127.0.0.1:{free_port()}",))
+    began_s = time.monotonic()
+    with pytest.raises(InputError, match="no router came within --seconds, nothing was recorded"):
+        record(tmp_path / "a.mcap", nowhere, seconds=0.3)
+    assert 0.3 <= time.monotonic() - began_s < WAIT_S
+    assert not (tmp_path / "a.mcap").exists()
+
+
+def test_a_recording_is_overwritten_only_by_force(bus: BusSettings, tmp_path: Path) -> None:
+    path = recorded_file(tmp_path / "a.mcap")
+    before = path.read_bytes()
+    with pytest.raises(InputError, match=r"a\.mcap: is there already; .*--force"):
+        record(path, bus, seconds=0.1)
+    assert path.read_bytes() == before
+    record(path, bus, seconds=0.1, force=True)
+    assert path.read_bytes() != before
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_time_that_is_none_is_refused(tmp_path: Path, seconds: float) -> None:
+    with pytest.raises(InputError, match="--seconds"):
+        record(tmp_path / "a.mcap", BusSettings(), seconds=seconds)
+
+
+def test_a_folder_that_is_missing_is_said_before_the_router_is_waited_for(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="its folder is missing"):
+        record(tmp_path / "none" / "a.mcap", BusSettings())
+
+
+def test_what_cannot_be_played_is_said_before_the_router_is_waited_for(tmp_path: Path) -> None:
+    """Missing, no MCAP, nothing in it."""
+    (tmp_path / "text.mcap").write_text("a recording?")
+    with McapWriter(tmp_path / "empty.mcap"):
+        pass
+    said = {"none.mcap": "no such file", "text.mcap": "no MCAP", "empty.mcap": "holds no messages"}
+    for name, what in said.items():
+        with pytest.raises(InputError, match=what):
+            play(tmp_path / name, BusSettings())
 
 
 def test_a_full_disk_is_named(bus: BusSettings) -> None:

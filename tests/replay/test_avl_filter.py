@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wayline.geo import metres_per_degree
 from wayline.route import Route
 from wayline.route_file import load_route
-from wayline_cli.route_import import route_from_csv
+from wayline_cli.route_import import Wishes, import_route
 from wayline_eta.avl_filter import AvlRouteFilter, Estimate
 
 FIRST_ROW, LAST_ROW = 10, 196
@@ -54,7 +54,7 @@ def route(request: pytest.FixtureRequest, recorded: Recorded) -> Route:
     if request.param == "loop":
         return load_route(DEMO_ROUTE)
     path = recorded("papers") / "avl-planned-route.csv"
-    return route_from_csv(path, "target-shuttle", "Target shuttle", loop=False)
+    return import_route(path, Wishes("target-shuttle", "Target shuttle", loop=False))
 
 
 def test_printed_estimates_are_reproduced(route: Route, recorded: Recorded) -> None:
@@ -77,6 +77,6 @@ def test_repeats_must_be_predicted_only(recorded: Recorded) -> None:
 
 def test_open_route_ends_at_the_last_printed_row(recorded: Recorded) -> None:
     path = recorded("papers") / "avl-planned-route.csv"
-    route = route_from_csv(path, "target-shuttle", "Target shuttle", loop=False)
+    route = import_route(path, Wishes("target-shuttle", "Target shuttle", loop=False))
     ended = [estimate.ended for estimate in replay(route, recorded("papers"))]
     assert ended.index(True) + 1 == LAST_ROW

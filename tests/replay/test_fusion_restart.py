@@ -16,7 +16,7 @@ from wayline.messages import FusionStatus, Message, Pose
 from wayline.node import Node
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
-from wayline_fusion.records import Saved
+from wayline_fusion.keeping.records import Saved
 from wayline_replay.outages import Outage, with_outages
 from wayline_replay.stream import DriveStream
 

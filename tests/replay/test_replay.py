@@ -284,8 +284,10 @@ def test_bad_input_is_one_line_and_status_2(tmp_path: Path, name: str) -> None:
 
 
 def test_a_corrupt_sentence_and_frame_are_counted_and_dropped(tmp_path: Path) -> None:
-    good = "(1.0) can0 100#24\n(2.0) can0 100#25\n"
-    (tmp_path / "a.log").write_text(good + "(3.0) can0 100#2\x00\n(4.0) can0 100#26\n", "ascii")
+    times_s = range(1_704_110_401, 1_704_110_405)
+    frames = zip(times_s, ("24", "25", "2\x00", "26"), strict=True)
+    log = "".join(f"({time_s}.0) can0 100#{data}\n" for time_s, data in frames)
+    (tmp_path / "a.log").write_text(log, encoding="ascii")
     dbc = 'BO_ 256 Wheels: 1 X\n SG_ Speed : 0|8@1+ (1,0) [0|255] "km/h" X\n'
     (tmp_path / "a.dbc").write_text(dbc, encoding="ascii")
     wrong = GGA.replace("*61", "*00")

@@ -1,12 +1,12 @@
 """What fusion's core is measured against: filterpy with nothing happening around it."""
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter, KalmanFilter
+from filterpy.kalman import ExtendedKalmanFilter
 
 from wayline.tuning import Tuning
-from wayline_fusion.horizontal import HorizontalFilter
-from wayline_fusion.states import States
-from wayline_fusion.vertical import SIZE as VERTICAL_SIZE
+from wayline.vertical.filter import VerticalFilter
+from wayline_fusion.filter.horizontal import HorizontalFilter
+from wayline_fusion.filter.states import States
 
 
 class BareFilter:
@@ -48,7 +48,7 @@ class AlgebraAlone:
 
     def __init__(self) -> None:
         self._filter = HorizontalFilter(Tuning())
-        self._altitude = KalmanFilter(dim_x=VERTICAL_SIZE, dim_z=1)
+        self._altitude = VerticalFilter(Tuning())
         self._H = np.zeros((1, self._filter.dim_x))
         self._H[0, States.WHEEL_SPEED] = 1.0
         self._z, self._R = np.array([0.5]), np.array([[0.01]])

@@ -127,8 +127,10 @@ def replay_command(
     """Run a recorded drive through the whole system, as fast as it goes."""
     from wayline_replay.outages import parse_outage
     from wayline_replay.replay import replay
+    from wayline_replay.stream import check_outages_of
 
     outages = [parse_outage(text) for text in gps_outage or []]
+    check_outages_of(drive, outages)
     with _progress() as progressed:
         summary = replay(
             drive,
@@ -173,11 +175,12 @@ def record_command(
     file: Annotated[Path, typer.Argument(help="MCAP file to write.")],
     config: OptionalConfig = None,
     seconds: Annotated[float | None, typer.Option(help="Stop after so many seconds.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
     """Record every message of the bus to an MCAP file, until told to stop."""
     from wayline_cli.record import record
 
-    recorded = record(file, _bus(config), seconds=seconds, say=_say)
+    recorded = record(file, _bus(config), seconds=seconds, force=force, say=_say)
     for topic, count in recorded.counts.items():
         typer.echo(f"{topic:14} {count:>10,}")
     lost = recorded.dropped + recorded.missed + recorded.refused
@@ -202,28 +205,27 @@ def play_command(
 @route_app.command("import")
 def route_import_command(
     source: Annotated[
-        Path, typer.Argument(help="CSV with latitude, longitude, speed; or a GTFS folder or zip.")
+        Path, typer.Argument(help="CSV of points, GPX, GeoJSON; or a GTFS folder or zip.")
     ],
     *,
     out: Annotated[Path, typer.Option(help="GeoJSON file to write.")],
-    route_id: Annotated[str | None, typer.Option(help="Of a CSV; default: its name.")] = None,
-    name: Annotated[str | None, typer.Option(help="Of a CSV; default: the route's id.")] = None,
-    loop: Annotated[bool, typer.Option(help="Of a CSV: close the line, count laps.")] = False,
+    route_id: Annotated[
+        str | None, typer.Option(help="Of a line; default: its own, else the file's name.")
+    ] = None,
+    name: Annotated[str | None, typer.Option(help="Of a line; default: its own.")] = None,
+    loop: Annotated[
+        bool | None, typer.Option(help="Of a line: close it, count laps; default: as it says.")
+    ] = None,
+    line: Annotated[
+        str | None, typer.Option(help="Id, name or number of one of several lines.")
+    ] = None,
     trip: Annotated[str | None, typer.Option(help="Of a GTFS feed: the trip to follow.")] = None,
 ) -> None:
     """Make a route; the speed of a CSV's point holds until the next one."""
     from wayline.route_file import write_route
-    from wayline_cli.gtfs_route import route_from_gtfs
-    from wayline_cli.route_import import route_from_csv
+    from wayline_cli.route_import import Wishes, import_route
 
-    if source.is_dir() or source.suffix == ".zip":
-        if trip is None:
-            mend = "name a trip_id of its trips.txt with --trip"
-            raise InputError(str(source), "is a GTFS feed, which has many trips", mend)
-        route = route_from_gtfs(source, trip)
-    else:
-        known_id = route_id or source.stem
-        route = route_from_csv(source, known_id, name or known_id, loop=loop)
+    route = import_route(source, Wishes(route_id, name, loop, line, trip))
     write_route(route, out)
     typer.echo(f"{out}: {route.route_id}, {route.length_m:,.0f} m, {route.duration_s:,.0f} s")
 
@@ -282,7 +284,12 @@ def _print_summary(summary: "Summary", out: Path) -> None:
         table.add_row(topic, f"{count:,}")
     for source, count in summary.bad_input.items():
         table.add_row(f"bad input, {source}", f"{count:,}")
+    for source, reasons in summary.left_out.items():
+        for reason, count in reasons.items():
+            table.add_row(f"left out, {source}: {reason}", f"{count:,}")
     Console().print(table)
+    for warning in summary.warnings:
+        typer.echo(f"warning: {warning}")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,9 @@
 import csv
 import io
 import re
+import struct
 import zipfile
+import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 
 from wayline.errors import InputError
 from wayline.line import Line
+from wayline.log_file import decoded
 from wayline.route import DEFAULT_SPEED_MPS, Route, make_route
 from wayline.stops import StopPlace, place_stops
 
@@ -20,6 +23,17 @@ Row = dict[str, str]
 
 SLOWEST_MPS, FASTEST_MPS = 1.0, 40.0
 """Timetables are written in whole minutes: what they imply is kept within this."""
+ZIP_DAMAGE = (
+    OSError, EOFError, ValueError, RuntimeError, struct.error, zlib.error, zipfile.BadZipFile,
+)  # fmt: skip
+"""What zipfile raises for files that are damaged, encrypted or newer than it."""
+REQUIRED = {
+    "trips": ("trip_id", "route_id"),
+    "stops": ("stop_id", "stop_lat", "stop_lon"),
+    "stop_times": ("trip_id", "stop_id", "stop_sequence"),
+    "shapes": ("shape_id", "shape_pt_lat", "shape_pt_lon", "shape_pt_sequence"),
+}
+"""Columns without which a table is of no use."""
 TIME_PATTERN = re.compile(r"(\d{1,3}):(\d\d):(\d\d)")
 
 
@@ -35,9 +49,17 @@ class Feed:
 
     def rows(self, table: str, **wanted: str) -> Iterator[Row]:
         """The rows of a table whose columns have the wanted values; none of a missing table."""
-        for row in csv.DictReader(io.StringIO(self._text(f"{table}.txt"))):
-            if all(row.get(column) == value for column, value in wanted.items()):
-                yield row
+        where, text = f"{self.path} {table}.txt", io.StringIO(self._text(f"{table}.txt"))
+        try:
+            header = [name.strip() for name in next(csv.reader(text, skipinitialspace=True), [])]
+            missing = [column for column in REQUIRED[table] if column not in header]
+            if header and missing:
+                raise InputError(where, f"has no column {missing[0]}", "correct the feed")
+            for row in csv.DictReader(text, header, restval="", skipinitialspace=True):
+                if all(row.get(column) == value for column, value in wanted.items()):
+                    yield row
+        except csv.Error as error:
+            raise InputError(where, f"is not CSV ({error})", "correct the feed") from None
 
     def row(self, table: str, **wanted: str) -> Row:
         """The one row with the wanted values, or InputError."""
@@ -59,14 +81,31 @@ class Feed:
         try:
             if self.path.is_dir():
                 file = self.path / name
-                return file.read_text(encoding="utf-8-sig") if file.exists() else ""
+                return decoded(file.read_bytes()) if file.exists() else ""
             with zipfile.ZipFile(self.path) as archive:
-                listed = name in archive.namelist()
-                return archive.read(name).decode("utf-8-sig") if listed else ""
-        except (OSError, UnicodeDecodeError, zipfile.BadZipFile) as error:
+                return decoded(archive.read(member)) if (member := _member(archive, name)) else ""
+        except ZIP_DAMAGE as error:
             raise InputError(
                 f"{self.path} {name}", f"cannot be read ({error})", "check the feed"
             ) from None
+
+
+def _member(archive: zipfile.ZipFile, name: str) -> str | None:
+    """A table's place in a zip file: at the top, or in the folder that was packed."""
+    found = [each for each in archive.namelist() if each.rpartition("/")[2] == name]
+    return min(found, key=len, default=None)
+
+
+def only_trip(path: Path) -> str:
+    """The trip of a feed that has one. Raises InputError where it has none, or several."""
+    trips = [row.get("trip_id", "") for row in Feed(path).rows("trips")]
+    if len(trips) == 1:
+        return trips[0]
+    if not trips:
+        raise InputError(f"{path} trips.txt", "holds no trip", "name a GTFS folder or zip file")
+    shown = ", ".join(trips[:3])
+    mend = f"name one of its trips.txt with --trip, e.g. {shown}"
+    raise InputError(str(path), f"is a GTFS feed of {len(trips):,} trips", mend)
 
 
 def route_from_gtfs(path: Path, trip_id: str) -> Route:

@@ -51,12 +51,14 @@ def play(
 ) -> Played:
     """Play a recording until its end, SIGTERM or Ctrl-C.
 
-    Raises InputError for a speed that is not above 0, and for a file or a bus that cannot be
-    opened.
+    Raises InputError for a speed that is not above 0, for a file that cannot be opened or holds
+    nothing to play, before a router is looked for, and for a bus that cannot be opened.
     """
     if not (speed > 0.0 and math.isfinite(speed)):
         raise InputError("--speed", f"{speed} is no speed", "give a number above 0, e.g. 5")
     complete = is_finished(path)
+    if next(read_records(path), None) is None:
+        raise InputError(str(path), "holds no messages", "name another file of wayline record")
     with ending_on_signals() as ending:
         session = open_or_stop(settings, ending, say)
         if session is None:

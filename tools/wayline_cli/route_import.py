@@ -1,109 +1,104 @@
-"""Makes routes from what others write: so far CSV of points with planned speeds."""
+"""Makes a route of what others write: GTFS, GPX, any GeoJSON line, CSV of points."""
 
-import csv
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from wayline.errors import InputError
+from wayline.log_file import decoded, head_of
 from wayline.route import Route, make_route
+from wayline_cli.gtfs_route import ZIP_DAMAGE, only_trip, route_from_gtfs
+from wayline_cli.imported_line import ImportedLine, only_line
+from wayline_cli.route_csv import lines_of_csv
+from wayline_cli.route_geojson import lines_of_geojson
+from wayline_cli.route_gpx import lines_of_gpx
 
-LATITUDE_NAMES = ("lat_deg", "latitude_deg", "latitude", "lat", "y")
-LONGITUDE_NAMES = ("lon_deg", "longitude_deg", "longitude", "lon", "lng", "long", "x")
-SPEED_FACTORS = {
-    "speed_mps": 1.0,
-    "speed_m_s": 1.0,
-    "speed_ms": 1.0,
-    "speed": 1.0,
-    "speed_kmh": 1.0 / 3.6,
-    "speed_km_h": 1.0 / 3.6,
-    "speed_kph": 1.0 / 3.6,
-    "speed_mph": 0.44704,
+READABLE = "give CSV, GPX, GeoJSON or a GTFS feed"
+KNOWN_OTHERS = {
+    "<kml": "is KML",
+    "%PDF": "is a PDF",
+    "xl/workbook.xml": "is an Excel workbook",
+    "doc.kml": "is KMZ",
+    "content.xml": "is an office document",
 }
-"""Column name to what makes metres per second of its values; without a unit they are that."""
+"""What a file begins with, or a zip file holds, and what it is then."""
 
 
-def route_from_csv(path: Path, route_id: str, name: str, *, loop: bool) -> Route:
-    """A route from a CSV file with a header and columns of latitude, longitude and maybe speed.
+class Wishes(NamedTuple):
+    """What the user says of the route; None: as the file says."""
 
-    The speed of a point is that of the leg from it to the next (papers/000, data/papers README).
-    A loop is closed by repeating its first point, if the file does not; the closing leg then has
-    the last point's speed, else the last point's speed is not used. Raises InputError naming the
-    line of the file.
+    route_id: str | None = None
+    name: str | None = None
+    loop: bool | None = None
+    line: str | None = None
+    """Of a file with several lines: id, name or number."""
+    trip: str | None = None
+    """Of a GTFS feed."""
+
+
+def import_route(source: Path, wishes: Wishes) -> Route:
+    """The route of a file, of whatever kind its content is. Raises InputError."""
+    if not source.exists():
+        raise InputError(str(source), "no such file", "check the path")
+    if source.is_dir() or zipfile.is_zipfile(source):
+        _check_zip(source)
+        return route_from_gtfs(source, wishes.trip or only_trip(source))
+    line = only_line(source, _lines(source), wishes.line)
+    route_id = wishes.route_id or line.line_id or source.name.partition(".")[0]
+    return route_from_line(source, line, route_id, wishes)
+
+
+def route_from_line(source: Path, line: ImportedLine, route_id: str, wishes: Wishes) -> Route:
+    """A line as a route. A loop is closed by repeating its first point, if the file does not.
+
+    The closing leg has the last point's speed where there is one. Raises InputError.
     """
-    rows = _read_rows(path)
-    header = [_plain(cell) for cell in rows[0]] if rows else []
-    lat_at = _column(path, header, LATITUDE_NAMES)
-    lon_at = _column(path, header, LONGITUDE_NAMES)
-    speed_at = _speed_column(path, header)
-    points: list[tuple[float, float]] = []
-    speeds_mps: list[float] = []
-    for number, row in enumerate(rows[1:], start=2):
-        if not any(cell.strip() for cell in row):
-            continue
-        points.append(
-            (_number(path, number, row, lat_at, 90.0), _number(path, number, row, lon_at, 180.0))
-        )
-        if speed_at is not None:
-            value = _number(path, number, row, speed_at, float("inf"))
-            speeds_mps.append(value * SPEED_FACTORS[header[speed_at]])
-    if loop and points:
-        points.append(points[0])  # closed already: a leg without length, which is dropped
+    loop = line.loop if wishes.loop is None else wishes.loop
+    vertices = list(line.vertices)
+    if loop and vertices:
+        vertices.append(vertices[0])  # closed already: a leg without length, which is dropped
     return make_route(
-        str(path),
+        str(source),
         route_id=route_id,
-        name=name,
+        name=wishes.name or line.name or route_id,
         loop=loop,
-        vertices=points,
-        speeds_mps=None if speed_at is None else speeds_mps[: len(points) - 1],
-        stops=(),
+        vertices=vertices,
+        speeds_mps=_leg_speeds(line.speeds_mps, len(vertices) - 1),
+        stops=line.stops,
     )
 
 
-def _read_rows(path: Path) -> list[list[str]]:
+def _leg_speeds(speeds_mps: Sequence[float] | None, legs: int) -> list[float] | None:
+    """One speed a leg: a last point's is left over, and a closing leg goes on at the one before."""
+    if not speeds_mps:
+        return None
+    speeds = list(speeds_mps)
+    if len(speeds) == legs - 1:
+        speeds.append(speeds[-1])
+    return speeds[:legs] if len(speeds) == legs + 1 else speeds
+
+
+def _lines(source: Path) -> list[ImportedLine]:
+    begins = decoded(head_of(source)).lstrip()
+    if begins.startswith(("{", "[")):
+        return lines_of_geojson(source)
+    _check_other(source, begins)
+    return lines_of_gpx(source) if begins.startswith("<") else lines_of_csv(source)
+
+
+def _check_other(source: Path, begins: str) -> None:
+    for mark, what in KNOWN_OTHERS.items():
+        if mark in begins:
+            raise InputError(str(source), what, READABLE)
+
+
+def _check_zip(source: Path) -> None:
+    if source.is_dir():
+        return
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(str(path), "no such file", "check the path") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), f"cannot be read ({error})", "check the file") from None
-    delimiter = ";" if ";" in text.partition("\n")[0] else ","
-    return list(csv.reader(text.splitlines(), delimiter=delimiter))
-
-
-def _plain(cell: str) -> str:
-    """A header cell as it is looked up: `Speed (m/s)` is `speed_m_s`."""
-    words = "".join(letter if letter.isalnum() else " " for letter in cell.lower()).split()
-    return "_".join(words)
-
-
-def _column(path: Path, header: Sequence[str], names: Sequence[str]) -> int:
-    for name in names:
-        if name in header:
-            return header.index(name)
-    raise InputError(
-        str(path), f"no column for {names[2]}", f"name it {' or '.join(names[:3])} in line 1"
-    )
-
-
-def _speed_column(path: Path, header: Sequence[str]) -> int | None:
-    """Where the planned speed is, None without one; a unit that is not known is refused."""
-    found = next((at for at, cell in enumerate(header) if cell.startswith("speed")), None)
-    if found is not None and header[found] not in SPEED_FACTORS:
-        raise InputError(
-            str(path), f"column {header[found]} has an unknown unit", "name it speed_mps"
-        )
-    return found
-
-
-def _number(path: Path, number: int, row: Sequence[str], at: int, limit: float) -> float:
-    """A cell as a finite number of at most `limit` either way."""
-    text = row[at].strip() if at < len(row) else ""
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not (abs(value) <= limit and abs(value) != float("inf")):
-        raise InputError(
-            f"{path} line {number}", f"{text!r} is not a number in range", "correct that line"
-        )
-    return value
+        with zipfile.ZipFile(source) as archive:
+            names = archive.namelist()
+    except ZIP_DAMAGE as error:
+        raise InputError(str(source), f"is a broken zip file ({error})", "copy it anew") from None
+    _check_other(source, "\n".join(names))

@@ -59,8 +59,12 @@ def accuracy_command(
     from wayline_evaluation.replays import Options
     from wayline_evaluation.tables import accuracy_tables
     from wayline_replay.outages import parse_outage
+    from wayline_replay.stream import check_outages_of
 
     outages = [parse_outage(text) for text in gps_outage or []]
+    check_targets(json, plot)
+    for drive in drives:
+        check_outages_of(drive, outages)
     with progress() as progressed:
         options = Options(out=out, jobs=jobs, yardstick=yardstick)
         report, scored = accuracy_study(drives, outages, options, progressed)
@@ -103,6 +107,7 @@ def outages_command(
     from wayline_evaluation.replays import Options
     from wayline_evaluation.tables import architecture_tables, outage_tables
 
+    check_targets(json, plot)
     lengths_s = tuple(length or (60.0,))
     if min(lengths_s) <= 0.0:
         raise InputError("--length", f"{min(lengths_s):g} s is no outage", "give more than 0")
@@ -134,6 +139,7 @@ def slope_command(
     from wayline_evaluation.slope_study import slope_study
     from wayline_evaluation.tables import slope_tables
 
+    check_targets(json, plot)
     with progress() as progressed:
         options = Options(out=out, jobs=jobs, yardstick=yardstick)
         report, profiles = slope_study(drives, options, progressed)
@@ -160,11 +166,27 @@ def sensors_command(
     from wayline_evaluation.sensor_study import sensor_study
     from wayline_evaluation.sensor_tables import sensor_tables
 
+    check_targets(json, plot)
     with progress("drives") as progressed:
         report, groups = sensor_study(drives, beside or [], progressed)
     _tell(sensor_tables(report, groups), report, json)
     if plot is not None:
         plot_sensors(groups, plot)
+
+
+def check_targets(json: Path | None, plot: Path | None) -> None:
+    """Raise InputError for files that cannot be written, before the work and not after it."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    for option, path in (("--json", json), ("--plot", plot)):
+        if path is not None and not path.parent.is_dir():
+            raise InputError(option, f"there is no folder {path.parent}", "make it or name another")
+        if path is not None and path.is_dir():
+            raise InputError(option, f"{path} is a folder", "name a file in it")
+    kinds = FigureCanvasBase.get_supported_filetypes()
+    if plot is not None and plot.suffix.lstrip(".").lower() not in kinds:
+        mend = f"give one of {', '.join(f'.{kind}' for kind in sorted(kinds))}"
+        raise InputError("--plot", f"{plot} is no kind of picture that can be written", mend)
 
 
 def _tell(tables: "Iterable[Table]", report: "msgspec.Struct", json: Path | None) -> None:

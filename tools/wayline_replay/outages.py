@@ -32,6 +32,22 @@ def parse_outage(text: str) -> Outage:
     return outage
 
 
+def check_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> None:
+    """Raise InputError for an outage that begins behind a drive's end; reads up to the last one."""
+    last = max(outages, key=lambda outage: outage.start_s)
+    stream = iter(messages)
+    head = _head(stream)
+    start_ns = min((each.message.t_ns for each in head), default=0)
+    lasted_s = 0.0
+    for each in itertools.chain(head, stream):
+        lasted_s = max(lasted_s, (each.message.t_ns - start_ns) * 1e-9)
+        if lasted_s >= last.start_s:
+            return
+    text = f"{last.start_s:g}:{last.length_s:g}"
+    what = f"{text} begins behind the drive's end, which is at {lasted_s:,.1f} s"
+    raise InputError("--gps-outage", what, "give an earlier start")
+
+
 def with_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> Iterator[Received]:
     """Blank position, speed, course and altitude of every fix measured during an outage."""
     stream = iter(messages)

@@ -1,7 +1,7 @@
 """Runs a drive through the services' cores in one process, as fast as it can, without a bus."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
@@ -31,6 +31,10 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     elapsed_s: float
     counts: dict[str, int]
     bad_input: dict[str, int]
+    left_out: dict[str, Mapping[str, int]]
+    """Left out on purpose, by source and reason."""
+    warnings: list[str]
+    """Sources of which nothing was read beside others, and what else a user should know."""
 
     @property
     def real_time_factor(self) -> float:
@@ -49,6 +53,8 @@ def replay(
     progressed: Progressed = lambda _: None,
 ) -> Summary:
     """Replay the drive in `folder`; writes `out/<topic>.jsonl`. Raises InputError.
+
+    A drive of which nothing could be read or mapped is an error, too.
 
     Nothing of the result depends on the speed of the machine or the time of day. What is learned
     stays only in the database given. `architecture` goes before the drive's own.
@@ -79,6 +85,8 @@ def replay(
         elapsed_s=time.perf_counter() - started,
         counts=lines.counts,
         bad_input=stream.bad_input,
+        left_out=stream.left_out,
+        warnings=stream.warnings,
     )
 
 

@@ -1,5 +1,6 @@
 """`wayline simulate`: what is asked for on the command line over what a scenario file says."""
 
+import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -41,6 +42,7 @@ def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
     runs: Annotated[int | None, typer.Option(help="Drives over the same road.")] = None,
     seed: Annotated[int | None, typer.Option(help="Another seed, another drive.")] = None,
     list_: Annotated[bool, typer.Option("--list", help="Name the scenarios and end.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Write into a folder with files.")] = False,
 ) -> None:
     """Make drives with known truth: NMEA and CAN files as devices would write them."""
     if list_:
@@ -48,6 +50,8 @@ def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
         return
     if out is None:
         raise InputError("--out", "no folder to write the drive to", "give --out FOLDER")
+    if not force:
+        _check_empty(out)
     from wayline_simulator.drive_folder import simulate  # noqa: PLC0415  -- slow to import
 
     wanted, beside = _scenario(scenario)
@@ -64,6 +68,15 @@ def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
     elapsed_s = time.perf_counter() - started
     driven_s = sum(drive.duration_s for drive in drives)
     typer.echo(f"{driven_s:,.0f} s driven, {driven_s / elapsed_s:,.0f} times faster than real time")
+
+
+def _check_empty(out: Path) -> None:
+    """Asks on a terminal whether files may be overwritten; elsewhere they may not."""
+    if not out.is_dir() or next(out.iterdir(), None) is None:
+        return
+    question = f"{out} has files; write the drive over and beside them?"
+    if not sys.stdin.isatty() or not typer.confirm(question):
+        raise InputError(str(out), "has files already", "name an empty folder, or give --force")
 
 
 def _scenario(name: str | None) -> "tuple[Scenario, Path]":

@@ -2,7 +2,6 @@
 
 import csv
 from pathlib import Path
-from xml.etree import ElementTree as XmlTree
 
 import msgspec
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.geojson import Feature, read_features
+from wayline.gpx import read_gpx
 from wayline.route import Route
 from wayline.route_file import load_route
 from wayline_simulator.course import Floats
@@ -70,21 +70,9 @@ def _third_coordinates(feature: Feature) -> list[float] | None:
 
 def _read_gpx(path: Path) -> LineFile:
     """The points of all tracks and routes of a GPX file, in their order."""
-    try:
-        root = XmlTree.fromstring(path.read_bytes())  # noqa: S314  -- the user's own file
-        points = [
-            (float(node.attrib["lat"]), float(node.attrib["lon"]), node.findtext("{*}ele"))
-            for node in root.iter()
-            if node.tag.rpartition("}")[2] in ("trkpt", "rtept")
-        ]
-        alts_m = [float(ele) for _, _, ele in points if ele is not None]
-    except FileNotFoundError:
-        raise InputError(str(path), "no such file", "check the path") from None
-    except OSError as error:
-        raise InputError(str(path), f"cannot be read ({error})", "check the file") from None
-    except (XmlTree.ParseError, KeyError, ValueError) as error:
-        raise InputError(str(path), f"is not GPX ({error})", MEND) from None
-    places = [(lat_deg, lon_deg) for lat_deg, lon_deg, _ in points]
+    points = [point for line in read_gpx(path) for point in line.points]
+    alts_m = [point.alt_m for point in points if point.alt_m is not None]
+    places = [(point.lat_deg, point.lon_deg) for point in points]
     return LineFile(_points(path, places, alts_m), (), loop=False)
 
 

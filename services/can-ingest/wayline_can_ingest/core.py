@@ -38,10 +38,8 @@ class CanIngestCore:
         mapping: Mapping,
         vehicle: Vehicle,
         *,
-        channel: str | int | None = None,
         clock: DriveClock | None = None,
     ) -> None:
-        self._channel = None if channel is None else str(channel)
         self._mapping = mapping
         self._transport = Reassembler(mapping.pgns) if mapping.pgns else None
         self._derived = Derived(vehicle)
@@ -54,6 +52,11 @@ class CanIngestCore:
         self._has_fix = bool(mapping.gps_fields)
         self.dropped = 0
         """Frames that came before the clock signal and did not fit the waiting room."""
+
+    @property
+    def has_no_time(self) -> bool:
+        """Whether the clock signal has yet to say what time it is."""
+        return self._clock.offset_ns is None
 
     @property
     def bad_input(self) -> int:
@@ -77,12 +80,8 @@ class CanIngestCore:
     def _frame(self, frame: Frame) -> Sequence[Message]:
         plans = self._mapping.find(frame.arbitration_id, frame.extended)
         if plans:
-            if self._channel is not None and frame.channel != self._channel:
-                return ()
             return self._planned(frame, plans)
         if self._transport is None or not frame.extended:
-            return ()
-        if self._channel is not None and frame.channel != self._channel:
             return ()
         whole = self._transport.take(frame)
         return () if whole is None else self._frame(whole)

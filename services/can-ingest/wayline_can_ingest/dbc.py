@@ -1,5 +1,6 @@
 """Loads CAN databases with cantools; what does not load is one clear error."""
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -7,7 +8,12 @@ import cantools
 from cantools.database.can import Database
 
 from wayline.errors import InputError
+from wayline.log_file import decoded
 
+# who maps one of several messages of a name is told so by the directory
+logging.getLogger("cantools").setLevel(logging.ERROR)
+TEXTS = {".dbc": "dbc", ".sym": "sym"}
+"""Formats without a word on their encoding: cantools takes them for cp1252, marks and all."""
 LONGEST = 200
 """Characters of cantools' reason: of a file of another kind it quotes the whole line."""
 
@@ -21,7 +27,12 @@ def load_database(path: Path) -> Database:
     """One database (DBC, KCD, SYM, ARXML ...), or InputError with the file and the place."""
     mend = "correct the file or name another"
     try:
-        database = cantools.database.load_file(path, strict=False)
+        kind = TEXTS.get(path.suffix.lower())
+        if kind is None:
+            database = cantools.database.load_file(path, strict=False)
+        else:
+            text = decoded(path.read_bytes())
+            database = cantools.database.load_string(text, kind, strict=False)
     except FileNotFoundError:
         raise InputError(str(path), "no such file", "check the path") from None
     except (cantools.Error, ValueError, OSError) as error:

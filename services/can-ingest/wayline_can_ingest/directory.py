@@ -29,19 +29,31 @@ class Known(NamedTuple):
 
 
 class Directory:
-    """Messages by name; where several databases have one of a name, the first database's."""
+    """Messages by name; where several databases have one of a name, the first database's.
+
+    A name that one database has for several identifiers tells nothing: who maps it is refused.
+    """
 
     def __init__(self, parts: Sequence[Part]) -> None:
         self._where = parts[0].where
-        self._messages = {
-            message.name: Known(message, part.j1939)
-            for part in reversed(parts)
-            for database in part.databases
-            for message in database.messages
-        }
+        self._messages: dict[str, Known] = {}
+        self._namesakes: dict[str, list[DbcMessage]] = {}
+        for part in parts:
+            for database in part.databases:
+                for name, messages in _by_name(database).items():
+                    if name not in self._messages:
+                        self._messages[name] = Known(messages[0], part.j1939)
+                        self._namesakes[name] = messages
 
     def message(self, name: str, quantity: str) -> Known:
         """A message that a quantity names."""
+        if len(self._namesakes.get(name, ())) > 1:
+            numbers = ", ".join(f"{each.frame_id:X}h" for each in self._namesakes[name])
+            raise InputError(
+                self._where,
+                f'"{quantity}" names message {name}, of which a dbc has several ({numbers})',
+                "rename all but one of them in the dbc",
+            )
         if name in self._messages:
             return self._messages[name]
         raise InputError(
@@ -59,6 +71,13 @@ class Directory:
                 f'"{quantity}" names signal {name}, which message {message.name} does not have',
                 did_you_mean(name, names),
             )
+
+
+def _by_name(database: Database) -> dict[str, list[DbcMessage]]:
+    named: dict[str, list[DbcMessage]] = {}
+    for message in database.messages:
+        named.setdefault(message.name, []).append(message)
+    return named
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

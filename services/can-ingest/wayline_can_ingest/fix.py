@@ -48,6 +48,8 @@ class SpreadFix:
     def _give_out(self) -> GpsFix:
         fields = self._fields
         placed = "lat_deg" in fields and "lon_deg" in fields
+        # 0 north 0 east is what receivers write for unknown
+        placed = placed and not (fields["lat_deg"] == fields["lon_deg"] == 0.0)
         valid = placed and bool(fields.pop("valid", True))
         if not valid:
             fields.pop("lat_deg", None)

@@ -8,7 +8,7 @@ import msgspec
 from cantools.database.can import Message as DbcMessage
 
 from wayline.drive import Condition, SignalMapping
-from wayline.messages import TOPICS, BearingDeg, field_types
+from wayline.messages import TOPICS, BearingDeg, SignedSpeed, field_types
 from wayline_can_ingest.j1939 import counter_turns
 
 Signals = Mapping[str, float | None]
@@ -135,8 +135,8 @@ def _converter(
         return _whole(mapping, annotation)
     if annotation == BearingDeg | None:
         return _bearing(mapping)
-    signed_speed = quantity == "odometer.speed_mps"
-    return _number(mapping, None if signed_speed else annotation)
+    # wheels that turn backwards are told by the sign, until it is taken for `reverse`
+    return _number(mapping, SignedSpeed if quantity == "odometer.speed_mps" else annotation)
 
 
 def _number(mapping: SignalMapping, annotation: object) -> Callable[[float], float | None]:

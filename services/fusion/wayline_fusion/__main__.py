@@ -9,9 +9,9 @@ from wayline.settings import Settings
 from wayline.shell import main as run_shell
 from wayline.shell import plain_app
 from wayline_fusion.core import FusionCore
+from wayline_fusion.keeping.patient_store import PatientStore
+from wayline_fusion.keeping.store import FusionStore
 from wayline_fusion.live_view import live_views
-from wayline_fusion.patient_store import PatientStore
-from wayline_fusion.store import FusionStore
 
 NAME = "fusion"
 

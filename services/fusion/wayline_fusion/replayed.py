@@ -4,7 +4,7 @@ from wayline.database import open_database
 from wayline.node import Node
 from wayline.replayed_drive import ReplayedDrive
 from wayline_fusion.core import FusionCore
-from wayline_fusion.store import FusionStore
+from wayline_fusion.keeping.store import FusionStore
 
 
 def node(replay: ReplayedDrive) -> Node:

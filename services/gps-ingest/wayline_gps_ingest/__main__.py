@@ -10,7 +10,7 @@ from wayline.received import source_names
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import main as run_shell
-from wayline.shell import plain_app, playback
+from wayline.shell import plain_app, player
 from wayline.telemetry import Telemetry
 from wayline_gps_ingest.core import GpsIngestCore
 from wayline_gps_ingest.gpsd import GpsdCore
@@ -26,15 +26,7 @@ def build(settings: Settings, options: Namespace) -> Service:
     if options.drive is not None:
         drive = load_drive(options.drive)
         where = str(options.drive)
-        played = playback(NAME, settings, options, lambda: recordings(drive, where))
-        app = plain_app(NAME, settings)
-        return Service(
-            NAME,
-            feeds=[played],
-            make_app=app,
-            bad_input=lambda: played.bad_input,
-            is_recorded=True,
-        )
+        return player(NAME, settings, options, lambda: recordings(drive, where))
     return live(settings)
 
 

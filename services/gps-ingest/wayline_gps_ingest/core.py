@@ -7,7 +7,7 @@ from typing import ClassVar
 import msgspec
 
 from wayline.inputs import Flush, PositionReport, Sentence, Tick
-from wayline.messages import GpsFix, Message
+from wayline.messages import LATEST_NS, Message
 from wayline_gps_ingest.cycle import EpochAssembler
 from wayline_gps_ingest.dates import Dates, nearest_ns
 from wayline_gps_ingest.decode import decode
@@ -57,9 +57,15 @@ class GpsIngestCore:
         `checksum` wrong; `torn`: cut short, or without the checksum that this receiver sends;
         `malformed`; `field`: a time, date or position that cannot be one; `undated`: an epoch
         dropped for want of a date; `clock`: an epoch dropped or moved because the receiver's clock
-        stepped; `report`: a position report outside the world.
+        stepped; `late`: an epoch or a sentence of one that came out of order, after a later epoch
+        was published; `report`: a position report outside the world.
         """
-        counted = {**self._faults, "undated": self._waiting.dropped, "clock": self._clock.faults}
+        counted = {
+            **self._faults,
+            "undated": self._waiting.dropped,
+            "clock": self._clock.faults,
+            "late": self._assembler.late + self._clock.late,
+        }
         return {reason: times for reason, times in counted.items() if times}
 
     @property
@@ -100,7 +106,8 @@ class GpsIngestCore:
         except BadFieldError:
             self._faults["field"] += 1
             return []
-        self._day_known = self._day_known or "date" in observation.facts
+        if not self._day_known:
+            self._day_known = "dated_ns" in observation.facts
         complete = self._assembler.add(observation)
         self._received_ns = sentence.received_ns
         return self._publish(complete) if complete else []
@@ -122,29 +129,34 @@ class GpsIngestCore:
         """An epoch and those that waited for its date."""
         if epoch.time_ns is None:
             return []
-        fix = epoch.fix(0)
         # without a fix a receiver's date is its own clock's, which may be decades off
-        day = epoch.facts.get("date") if fix.valid else None
-        raw_ns = self._dates.instant_ns(epoch.time_ns, day, self._received_ns)
+        dated_ns = epoch.facts.get("dated_ns") if epoch.is_valid else None
+        raw_ns = self._dates.instant_ns(epoch.time_ns, dated_ns, self._received_ns)
         if raw_ns is None:
             self._waiting.hold(epoch)
             return []
         messages: list[Message] = []
-        for waiting, waiting_ns in self._waiting.release(raw_ns):
-            messages += self._at(waiting, waiting.fix(0), waiting_ns)
-        return messages + self._at(epoch, fix, raw_ns)
+        if len(self._waiting):
+            for waiting, waiting_ns in self._waiting.release(raw_ns):
+                messages += self._at(waiting, waiting_ns)
+        return messages + self._at(epoch, raw_ns)
 
     def _flush(self) -> list[Message]:
         messages = self._publish(self._assembler.finish())
         for waiting, waiting_ns in self._waiting.release_unconfirmed():
-            messages += self._at(waiting, waiting.fix(0), waiting_ns)
+            messages += self._at(waiting, waiting_ns)
         return messages
 
-    def _at(self, epoch: Epoch, fix: GpsFix, raw_ns: int) -> list[Message]:
-        t_ns = self._steady_ns(fix, raw_ns - self._latency_ns)
-        if t_ns is None:
+    def _at(self, epoch: Epoch, raw_ns: int) -> list[Message]:
+        raw_ns -= self._latency_ns
+        if epoch.repeat:
+            t_ns = self._clock.repeat_ns(raw_ns)
+        else:
+            t_ns = self._onward_ns(raw_ns, valid=epoch.is_valid)
+        if t_ns is None or t_ns > LATEST_NS:
+            # a clock that stepped back from the last instant of all goes on beyond it
             return []
-        fix = msgspec.structs.replace(fix, t_ns=t_ns)
+        fix = epoch.fix(t_ns)
         messages: list[Message] = [self._derived_speed.filled(fix) if fix.valid else fix]
         if epoch.in_view and t_ns // SECOND_NS != self._sky_second:
             # once in a whole second, whatever the receiver's rate
@@ -152,16 +164,15 @@ class GpsIngestCore:
             messages.append(epoch.sky.message(t_ns))
         return messages
 
-    def _steady_ns(self, fix: GpsFix, raw_ns: int) -> int | None:
-        if fix.repeat:
-            return self._clock.repeat_ns(raw_ns)
-        if raw_ns < 0:
+    def _onward_ns(self, raw_ns: int, *, valid: bool) -> int | None:
+        """When a fix is said to be of; None where it is not told."""
+        if raw_ns < 0 or self._clock.is_overtaken(raw_ns):
             return None
-        return self._clock.fixed_ns(raw_ns) if fix.valid else self._clock.unfixed_ns(raw_ns)
+        return self._clock.fixed_ns(raw_ns) if valid else self._clock.unfixed_ns(raw_ns)
 
     def _report(self, report: PositionReport) -> list[Message]:
         fix = fix_of_report(report)
-        t_ns = self._steady_ns(fix, report.t_ns - self._latency_ns) if fix else None
+        t_ns = self._onward_ns(report.t_ns - self._latency_ns, valid=True) if fix else None
         if fix is None or t_ns is None:
             self._faults["report"] += fix is None
             return []

@@ -4,7 +4,7 @@ import datetime as dt
 
 SECOND_NS = 1_000_000_000
 DAY_NS = 86_400 * SECOND_NS
-EPOCH = dt.date(1970, 1, 1)
+EPOCH_ORDINAL = dt.date(1970, 1, 1).toordinal()
 
 
 ERA_NS = 1024 * 7 * DAY_NS
@@ -27,17 +27,27 @@ class Dates:
         self._last_ns: int | None = None
 
     def instant_ns(
-        self, time_ns: int, day: dt.date | None, received_ns: int | None = None
+        self, time_ns: int, dated_ns: int | None, received_ns: int | None = None
     ) -> int | None:
-        """Unix time of a time of day, with the day sent beside it if any; None: day unknown."""
-        if day is None and self._last_ns is None:
-            day = self._first_day
-        if day is not None:
-            told_ns = (day - EPOCH).days * DAY_NS + time_ns
+        """Unix time of a time of day, None where no day is known.
+
+        `dated_ns` is the instant of the sentence beside it that carried a date, where one did: its
+        time may be another one's, and midnight between them.
+        """
+        if dated_ns is None and self._last_ns is None and self._first_day is not None:
+            dated_ns = instant_of(self._first_day, time_ns)
+        if dated_ns is not None:
+            told_ns = nearest_ns(time_ns, dated_ns)
             self._last_ns = in_era_of(in_era_of(told_ns, received_ns), self._last_ns)
         elif self._last_ns is not None:
             self._last_ns = nearest_ns(time_ns, self._last_ns)
         return self._last_ns
+
+
+def instant_of(day: dt.date, time_ns: int | None) -> int:
+    """Unix time of a day's time; noon, from which the day is near, where the time is not known."""
+    days = day.toordinal() - EPOCH_ORDINAL
+    return days * DAY_NS + (DAY_NS // 2 if time_ns is None else time_ns)
 
 
 def nearest_ns(time_ns: int, near_ns: int) -> int:

@@ -9,11 +9,13 @@ from typing import Literal, TypedDict
 
 import msgspec
 
-from wayline.messages import FixKind
+from wayline.messages import SPEED_MAX_MPS, STD_MAX, FixKind
+from wayline_gps_ingest.dates import instant_of
 from wayline_gps_ingest.fields import (
     M_PER_FOOT,
     MPS_PER_KMPH,
     MPS_PER_KNOT,
+    BadFieldError,
     bearing_deg,
     count,
     date_of,
@@ -29,7 +31,7 @@ from wayline_gps_ingest.parsing import Parsed
 
 ALTITUDE_MIN_M = -1000.0
 """Below any road; receivers write -5400 m and the like for unknown."""
-BLANKS = ("",) * 20
+BLANKS = [""] * 20
 QUALITY: dict[str, FixKind] = {
     "1": "gps",
     "2": "dgps",
@@ -52,12 +54,18 @@ MODES: dict[str, FixKind] = {
     "S": "simulator",
 }
 BEST_FIRST = "RFDPAEMS"
+NO_FIX = "N"
+QUALITIES = frozenset(("", *"0123456789"))
+STATUSES = frozenset(("", "A", "D", "V"))
+METRES = frozenset(("", "M", "m"))
+"""What these fields may hold; where one holds something else, fields before it are missing."""
 
 
 class Facts(TypedDict, total=False):
     """What is known of an epoch; a key is absent where nothing was said of it."""
 
-    date: dt.date
+    dated_ns: int
+    """Unix time of the sentence that carried a date."""
     gga_valid: bool
     gns_valid: bool
     rmc_valid: bool
@@ -81,6 +89,10 @@ class Facts(TypedDict, total=False):
     v_std_m: float
 
 
+NOTHING = Facts()
+"""Of a sentence of satellites; nobody may add to it."""
+
+
 class Observation(msgspec.Struct, frozen=True):
     """One sentence, read. `key` tells it from the others of its receiver's cycle."""
 
@@ -92,21 +104,25 @@ class Observation(msgspec.Struct, frozen=True):
     fields: Sequence[str] = ()
     """Of GSA and GSV, for the sky."""
     talker: str = ""
+    is_whole_s: bool = False
+    """Whether its time was told without decimals."""
 
 
 def decode(parsed: Parsed) -> Observation:
     """What a sentence says. Raises BadFieldError where its time, date or position is no such."""
-    return DECODERS[parsed.kind](parsed, [*parsed.fields, *BLANKS])
+    return DECODERS[parsed.kind](parsed, parsed.fields + BLANKS)
 
 
 def _gga(parsed: Parsed, fields: list[str]) -> Observation:
+    if fields[5] not in QUALITIES or fields[9] not in METRES:
+        raise BadFieldError(f"{fields[5]} {fields[9]}")
     quality = QUALITY.get(fields[5])
     facts = _position(fields[1:5], valid=quality is not None)
     facts["gga_valid"] = "lat_deg" in facts
     if quality:
         facts["quality"] = quality
     _levels(facts, satellites=fields[6], hdop=fields[7], alt_m=fields[8], sep_m=fields[10])
-    return Observation(f"{parsed.talker}GGA", "GGA", time_of_day_ns(fields[0]), facts)
+    return _timed(parsed, fields[0], facts)
 
 
 def _gns(parsed: Parsed, fields: list[str]) -> Observation:
@@ -119,30 +135,32 @@ def _gns(parsed: Parsed, fields: list[str]) -> Observation:
     if parsed.talker != "GN" and not fields[5]:
         # beside the GNGNS that has the position, one a constellation tells only its corrections
         facts = Facts()
-    return Observation(f"{parsed.talker}GNS", "GNS", time_of_day_ns(fields[0]), facts)
+    return _timed(parsed, fields[0], facts)
 
 
 def _rmc(parsed: Parsed, fields: list[str]) -> Observation:
-    facts = _position(fields[2:6], valid=fields[1] in ("A", "D"))
+    is_active = fields[1] in ("A", "D")
+    if not is_active and fields[1] not in STATUSES:
+        raise BadFieldError(fields[1])
+    facts = _position(fields[2:6], valid=is_active and fields[11] != NO_FIX)
     facts["rmc_valid"] = "lat_deg" in facts
     _motion(facts, not_negative(fields[6]), MPS_PER_KNOT, fields[7])
-    date = fields[8]
-    day = date_of(date[:2], date[2:4], date[4:])
-    # year 1980 is a cold receiver's clock before it has heard the time
-    if day and day.year > 1980:
-        facts["date"] = day
     if fields[11] in MODES:
         facts["mode_fix"] = MODES[fields[11]]
-    return Observation(f"{parsed.talker}RMC", "RMC", time_of_day_ns(fields[0]), facts)
+    date = fields[8]
+    return _timed(parsed, fields[0], facts, date_of(date[:2], date[2:4], date[4:]))
 
 
 def _gll(parsed: Parsed, fields: list[str]) -> Observation:
     # before NMEA 0183 2.0 a position was sent without a status
-    facts = _position(fields[0:4], valid=fields[5] == "A" or len(parsed.fields) < 6)
+    if fields[5] not in STATUSES:
+        raise BadFieldError(fields[5])
+    is_active = fields[5] == "A" or len(parsed.fields) < 6
+    facts = _position(fields[0:4], valid=is_active and fields[6] != NO_FIX)
     facts["gll_valid"] = "lat_deg" in facts
     if fields[6] in MODES:
         facts["mode_fix"] = MODES[fields[6]]
-    return Observation(f"{parsed.talker}GLL", "GLL", time_of_day_ns(fields[4]), facts)
+    return _timed(parsed, fields[4], facts)
 
 
 def _vtg(parsed: Parsed, fields: list[str]) -> Observation:
@@ -182,26 +200,22 @@ def _gsv(parsed: Parsed, fields: list[str]) -> Observation:
     has_signal = len(parsed.fields) > 3 and len(parsed.fields) % 4 == 0
     signal = parsed.fields[-1][:1] if has_signal else ""
     end = "" if fields[0] == fields[1] else "+"
-    key = f"{parsed.talker}GSV{signal}{end}"
-    return Observation(key, "GSV", None, Facts(), parsed.fields, parsed.talker)
+    key = parsed.talker + "GSV" + signal + end
+    return Observation(key, "GSV", None, NOTHING, parsed.fields, parsed.talker)
 
 
 def _gst(parsed: Parsed, fields: list[str]) -> Observation:
     facts = Facts()
     lat_m, lon_m, alt_m = (positive(text) for text in fields[5:8])
-    if lat_m is not None and lon_m is not None:
+    if lat_m is not None and lon_m is not None and max(lat_m, lon_m) <= STD_MAX:
         facts["h_std_m"] = ((lat_m**2 + lon_m**2) / 2.0) ** 0.5
-    if alt_m is not None:
+    if alt_m is not None and alt_m <= STD_MAX:
         facts["v_std_m"] = alt_m
-    return Observation(f"{parsed.talker}GST", "GST", time_of_day_ns(fields[0]), facts)
+    return _timed(parsed, fields[0], facts)
 
 
 def _zda(parsed: Parsed, fields: list[str]) -> Observation:
-    facts = Facts()
-    day = date_of(*fields[1:4])
-    if day and day.year > 1980:
-        facts["date"] = day
-    return Observation(f"{parsed.talker}ZDA", "ZDA", time_of_day_ns(fields[0]), facts)
+    return _timed(parsed, fields[0], Facts(), date_of(*fields[1:4]))
 
 
 def _rmz(parsed: Parsed, fields: list[str]) -> Observation:
@@ -227,13 +241,24 @@ DECODERS: dict[str, Callable[[Parsed, list[str]], Observation]] = {
 }
 
 
+def _timed(parsed: Parsed, time: str, facts: Facts, day: dt.date | None = None) -> Observation:
+    """What a sentence with a time of day, maybe of a day, says."""
+    time_ns = time_of_day_ns(time)
+    # year 1980 is a cold receiver's clock before it has heard the time
+    if day and day.year > 1980:
+        facts["dated_ns"] = instant_of(day, time_ns)
+    key = parsed.talker + parsed.kind
+    return Observation(key, parsed.kind, time_ns, facts, (), "", "." not in time)
+
+
 def _position(fields: Sequence[str], *, valid: bool) -> Facts:
     """Nothing where the receiver has no fix: it fills the fields with its last one or anything."""
     if not valid:
         return Facts()
     lat_deg = latitude_deg(fields[0], fields[1])
     lon_deg = longitude_deg(fields[2], fields[3])
-    if lat_deg is None or lon_deg is None:
+    if lat_deg is None or lon_deg is None or lat_deg == lon_deg == 0.0:
+        # 0 north 0 east is what receivers write for unknown
         return Facts()
     return Facts(lat_deg=lat_deg, lon_deg=lon_deg)
 
@@ -253,7 +278,7 @@ def _levels(facts: Facts, *, satellites: str, hdop: str, alt_m: str, sep_m: str)
 
 def _motion(facts: Facts, speed: float | None, mps_per_unit: float, course: str) -> None:
     course_deg = bearing_deg(course)
-    if speed is not None:
+    if speed is not None and speed * mps_per_unit <= SPEED_MAX_MPS:
         facts["speed_mps"] = speed * mps_per_unit
     if course_deg is not None:
         facts["course_deg"] = course_deg

@@ -3,7 +3,7 @@
 import msgspec
 
 from wayline.geo import step_between
-from wayline.messages import GpsFix
+from wayline.messages import SPEED_MAX_MPS, GpsFix
 
 APART_MAX_NS = 10_000_000_000
 """The mean speed over a longer gap is no longer the speed of now."""
@@ -33,4 +33,5 @@ def _speed_mps(last: GpsFix, fix: GpsFix) -> float | None:
     if last.lat_deg is None or last.lon_deg is None or fix.lat_deg is None or fix.lon_deg is None:
         return None
     step = step_between(last.lat_deg, last.lon_deg, fix.lat_deg, fix.lon_deg)
-    return step.distance_m / (apart_ns * 1e-9)
+    speed_mps = step.distance_m / (apart_ns * 1e-9)
+    return speed_mps if speed_mps <= SPEED_MAX_MPS else None

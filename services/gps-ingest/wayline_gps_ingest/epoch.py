@@ -22,9 +22,13 @@ class Epoch:
         self.facts = Facts()
         self.time_ns: int | None = None
         """Since midnight UTC."""
+        self.is_whole_s = True
+        """Whether no sentence told decimals of the second."""
         self.repeat = False
         self.kinds: set[str] = set()
         self.timed_keys: set[str] = set()
+        self.first_key = ""
+        """The first timed sentence."""
         self._gsa_mode = 0
         self._sky: Sky | None = None
 
@@ -32,12 +36,18 @@ class Epoch:
         """Merge a sentence in; what is said twice stands as said last."""
         kind = observation.kind
         self.kinds.add(kind)
+        if kind == "GSV":
+            self.sky.add(observation)
+            return
         if observation.time_ns is not None:
             self.time_ns = observation.time_ns
+            if not observation.is_whole_s:
+                self.is_whole_s = False
+            if not self.first_key:
+                self.first_key = observation.key
             self.timed_keys.add(observation.key)
-        if kind in {"GSV", "GSA"}:
+        elif kind == "GSA":
             self.sky.add(observation)
-        if kind == "GSA":
             # one GSA a constellation: the one without used satellites says "no fix"
             self._gsa_mode = max(self._gsa_mode, observation.facts.get("gsa_mode", 0))
         self.facts.update(observation.facts)
@@ -71,8 +81,13 @@ class Epoch:
     @property
     def is_valid(self) -> bool:
         """Every sentence that judges the position must call it valid, and one must."""
-        verdicts = [self.facts[name] for name in VERDICTS if name in self.facts]
-        return bool(verdicts) and all(verdicts) and not self.repeat
+        facts, judged = self.facts, False
+        for name in VERDICTS:
+            if name in facts:
+                if not facts[name]:
+                    return False
+                judged = True
+        return judged and not self.repeat
 
     def fix(self, t_ns: int = 0) -> GpsFix:
         """The epoch as a message."""

@@ -121,6 +121,7 @@ def _angle_deg(text: str, hemisphere: str, signs: str, limit_deg: float) -> floa
     degrees = value // 100.0
     minutes = value - degrees * 100.0
     angle_deg = degrees + minutes / 60.0
-    if minutes >= 60.0 or angle_deg > limit_deg:
+    # 60 minutes are what is written for 59.99999 with fewer decimals
+    if minutes > 60.0 or angle_deg > limit_deg:
         raise BadFieldError(text)
     return angle_deg if hemisphere == signs[0] else -angle_deg

@@ -6,12 +6,19 @@ out, because their certainty is not told; dilutions of precision and GST's stds 
 """
 
 from collections import Counter
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 import msgspec
 
 from wayline.inputs import Flush
-from wayline.messages import GpsFix, GpsSky, Message
+from wayline.messages import (
+    EARLIEST_NS,
+    LATEST_NS,
+    SPEED_MAX_MPS,
+    GpsFix,
+    GpsSky,
+    Message,
+)
 from wayline_gps_ingest.fields import SECOND_NS
 from wayline_gps_ingest.gpsd_reports import (
     KINDS,
@@ -20,16 +27,14 @@ from wayline_gps_ingest.gpsd_reports import (
     Tpv,
     horizontal_std_m,
     read_report,
-    satellite_of,
     time_ns,
+    vertical_std_m,
 )
+from wayline_gps_ingest.gpsd_sky import HELD_NS, GpsdSky
 from wayline_gps_ingest.onward_clock import OnwardClock
 
-HELD_NS = 10 * SECOND_NS
-"""The sky is told apart from the fix, by some receivers every 5 s: so long it stands beside it."""
 GONE_NS = 2 * SECOND_NS
 """Another device of the same gpsd is followed when the one before was silent this long."""
-Told = TypeVar("Told", Sky, Gst)
 
 
 class GpsdReport(msgspec.Struct, frozen=True):
@@ -58,7 +63,8 @@ class GpsdCore:
         self._reports = self._expected = 0
         self._last_ns = 0
         self._published_ns = 0
-        self._sky: tuple[int, Sky] | None = None
+        self._sky = GpsdSky()
+        self._is_sky_new = False
         self._gst: tuple[int, Gst] | None = None
         self._sky_second: int | None = None
 
@@ -81,7 +87,7 @@ class GpsdCore:
             return []
         try:
             report = read_report(message.text)
-        except msgspec.DecodeError:
+        except (msgspec.DecodeError, RecursionError):
             self._faults["report"] += 1
             return []
         return self._take(report) if report else []
@@ -94,16 +100,21 @@ class GpsdCore:
         if isinstance(report, Gst):
             self._gst = self._last_ns, report
             return []
-        # some versions tell the dilutions and the satellites in reports of their own
-        if report.hdop is not None or report.satellites:
-            self._sky = self._last_ns, report
-        return self._sky_message(report)
+        self._sky.take(report, self._last_ns)
+        self._is_sky_new = self._is_sky_new or bool(report.satellites)
+        is_to_tell = self._published_ns and self._sky.is_whole
+        return self._sky_message(self._published_ns) if is_to_tell else []
 
     def _position(self, report: Tpv) -> list[Message]:
-        if report.time is None or not self._is_followed(report.device, time_ns(report.time)):
+        if report.time is None:
+            return []
+        t_ns = time_ns(report.time)
+        if not EARLIEST_NS + self._latency_ns <= t_ns <= LATEST_NS:
+            self._faults["report"] += 1
+            return []
+        if not self._is_followed(report.device, t_ns):
             return []
         messages: list[Message] = []
-        t_ns = time_ns(report.time)
         if t_ns != self._last_ns:
             messages += self._complete()
             self._expected, self._reports = self._reports, 0
@@ -121,7 +132,8 @@ class GpsdCore:
             if self._device and abs(t_ns - self._last_ns) < GONE_NS:
                 self._faults["device"] += 1
                 return False
-            self._device, self._sky, self._gst = device, None, None
+            self._device, self._sky, self._gst = device, GpsdSky(), None
+            self._is_sky_new = False
         return True
 
     def _complete(self) -> list[Message]:
@@ -133,60 +145,62 @@ class GpsdCore:
         is_valid = report.mode >= 2 and _is_on_earth(report.lat, report.lon)
         clock = self._clock
         t_ns = clock.fixed_ns(raw_ns) if is_valid else clock.unfixed_ns(raw_ns)
-        if t_ns is None:
+        if t_ns is None or t_ns > LATEST_NS:
             return []
+        fix = self._fix(report, t_ns) if is_valid else self._unfixed(t_ns)
         self._published_ns = t_ns
-        return [self._fix(report, t_ns) if is_valid else self._unfixed(t_ns)]
+        return [fix, *self._sky_message(t_ns)]
 
     def _fix(self, report: Tpv, t_ns: int) -> GpsFix:
-        gst = self._held(self._gst)
+        gst = self._held_gst()
         speed_mps, course_deg = report.speed, report.track
         return msgspec.structs.replace(
             self._unfixed(t_ns),
             valid=True,
             lat_deg=report.lat,
             lon_deg=report.lon,
-            alt_m=report.alt_msl,
+            alt_m=report.alt_m,
             geoid_sep_m=report.geoid_sep,
-            speed_mps=speed_mps if speed_mps is not None and speed_mps >= 0.0 else None,
+            speed_mps=speed_mps if _is_a_vehicles(speed_mps) else None,
             course_deg=course_deg % 360.0 if course_deg is not None else None,
             mode=3 if report.mode == 3 else 2,
             fix=KINDS.get(report.status, "gps"),
             h_std_m=horizontal_std_m(gst) if gst else None,
-            v_std_m=gst.alt if gst and gst.alt else None,
+            v_std_m=vertical_std_m(gst) if gst else None,
         )
 
     def _unfixed(self, t_ns: int) -> GpsFix:
         """What is known of an instant without a position."""
-        sky = self._held(self._sky)
-        if sky is None:
-            return GpsFix(t_ns=t_ns, valid=False)
-        used = sum(satellite.used for satellite in sky.satellites)
+        hdop, pdop, vdop = self._sky.dilutions(self._last_ns)
         return GpsFix(
             t_ns=t_ns,
             valid=False,
-            satellites=used if sky.satellites else None,
-            hdop=sky.hdop,
-            pdop=sky.pdop,
-            vdop=sky.vdop,
+            satellites=self._sky.used(self._last_ns),
+            hdop=hdop,
+            pdop=pdop,
+            vdop=vdop,
         )
 
-    def _held(self, told: tuple[int, Told] | None) -> Told | None:
+    def _held_gst(self) -> Gst | None:
         """What was told beside an earlier instant, while it is not too old."""
-        if told is None or not 0 <= self._last_ns - told[0] <= HELD_NS:
+        if self._gst is None or not 0 <= self._last_ns - self._gst[0] <= HELD_NS:
             return None
-        return told[1]
+        return self._gst[1]
 
-    def _sky_message(self, sky: Sky) -> list[Message]:
-        t_ns = self._published_ns
-        if not sky.satellites or not t_ns or t_ns // SECOND_NS == self._sky_second:
+    def _sky_message(self, t_ns: int) -> list[Message]:
+        """What is new of the sky, once in a whole second, whatever the receiver's rate."""
+        if not self._is_sky_new or t_ns // SECOND_NS == self._sky_second:
             return []
-        # once in a whole second, whatever the receiver's rate
-        self._sky_second = t_ns // SECOND_NS
-        return [GpsSky(t_ns=t_ns, satellites=tuple(map(satellite_of, sky.satellites)))]
+        self._sky_second, self._is_sky_new = t_ns // SECOND_NS, False
+        return [GpsSky(t_ns=t_ns, satellites=self._sky.satellites)]
+
+
+def _is_a_vehicles(speed_mps: float | None) -> bool:
+    return speed_mps is not None and 0.0 <= speed_mps <= SPEED_MAX_MPS
 
 
 def _is_on_earth(lat_deg: float | None, lon_deg: float | None) -> bool:
-    if lat_deg is None or lon_deg is None:
+    """0 north 0 east is what receivers say that do not know."""
+    if lat_deg is None or lon_deg is None or lat_deg == lon_deg == 0.0:
         return False
     return abs(lat_deg) <= 90.0 and abs(lon_deg) <= 180.0

@@ -2,10 +2,11 @@
 
 import datetime as dt
 import math
+from typing import Annotated
 
 import msgspec
 
-from wayline.messages import FixKind, Satellite
+from wayline.messages import STD_MAX, Count, FixKind, NonNegative, Satellite
 from wayline_gps_ingest.sky import system_of
 
 KINDS: dict[int, FixKind] = {
@@ -28,6 +29,10 @@ SYSTEMS: dict[int | None, str] = {
 }
 """By gpsd's gnssid, which is u-blox's."""
 UNIX = dt.datetime(1970, 1, 1, tzinfo=dt.UTC)
+Time = (
+    Annotated[dt.datetime, msgspec.Meta(tz=True)] | Annotated[float, msgspec.Meta(ge=0.0, lt=1e10)]
+)
+"""ISO 8601, in the first versions Unix seconds."""
 
 
 class Tpv(msgspec.Struct, frozen=True, tag="TPV", tag_field="class"):
@@ -36,13 +41,24 @@ class Tpv(msgspec.Struct, frozen=True, tag="TPV", tag_field="class"):
     device: str = ""
     mode: int = 0
     status: int = 0
-    time: dt.datetime | None = None
+    time: Time | None = None
     lat: float | None = None
     lon: float | None = None
+    alt: float | None = None
+    alt_hae: float | None = msgspec.field(name="altHAE", default=None)
     alt_msl: float | None = msgspec.field(name="altMSL", default=None)
     geoid_sep: float | None = msgspec.field(name="geoidSep", default=None)
     speed: float | None = None
     track: float | None = None
+
+    @property
+    def alt_m(self) -> float | None:
+        """Above mean sea level; up to gpsd 3.18 `alt` is that and the only one."""
+        if self.alt_msl is not None:
+            return self.alt_msl
+        if self.alt_hae is None:
+            return self.alt
+        return None if self.geoid_sep is None else self.alt_hae - self.geoid_sep
 
 
 class Gst(msgspec.Struct, frozen=True, tag="GST", tag_field="class"):
@@ -69,9 +85,12 @@ class Sky(msgspec.Struct, frozen=True, tag="SKY", tag_field="class"):
     """Satellites and dilutions of precision."""
 
     device: str = ""
-    hdop: float | None = None
-    pdop: float | None = None
-    vdop: float | None = None
+    time: Time | None = None
+    seen: int | None = msgspec.field(name="nSat", default=None)
+    used: Count | None = msgspec.field(name="uSat", default=None)
+    hdop: NonNegative | None = None
+    pdop: NonNegative | None = None
+    vdop: NonNegative | None = None
     satellites: tuple[SkyView, ...] = ()
 
 
@@ -91,16 +110,24 @@ def read_report(line: str) -> Tpv | Sky | Gst | None:
     return DECODER.decode(line) if KIND.decode(line).name in READ else None
 
 
-def time_ns(time: dt.datetime) -> int:
+def time_ns(time: dt.datetime | float) -> int:
     """Unix time."""
+    if isinstance(time, float):
+        return round(time * 1e6) * 1000
     return (time - UNIX) // dt.timedelta(microseconds=1) * 1000
 
 
 def horizontal_std_m(gst: Gst) -> float | None:
-    """Of one axis, in the mean of both."""
-    if not gst.lat or not gst.lon:
+    """Of one axis, in the mean of both; None where they are no deviations."""
+    lat_m, lon_m = gst.lat or 0.0, gst.lon or 0.0
+    if not (0.0 < lat_m <= STD_MAX and 0.0 < lon_m <= STD_MAX):
         return None
-    return math.sqrt((gst.lat**2 + gst.lon**2) / 2.0)
+    return math.sqrt((lat_m**2 + lon_m**2) / 2.0)
+
+
+def vertical_std_m(gst: Gst) -> float | None:
+    """None where it is no deviation."""
+    return gst.alt if gst.alt is not None and 0.0 < gst.alt <= STD_MAX else None
 
 
 def satellite_of(view: SkyView) -> Satellite:

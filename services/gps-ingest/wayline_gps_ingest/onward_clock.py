@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from wayline_gps_ingest.dates import DAY_NS, SECOND_NS
+from wayline_gps_ingest.latecomers import Latecomers
 
 SOON_NS = 20 * SECOND_NS
 """A step back by less is waited for; more than GPS time is ahead of UTC."""
@@ -50,8 +51,18 @@ class OnwardClock:
         self._period_ns = PERIOD_MAX_NS
         self._step: StepBack | None = None
         self._doubted_ns: int | None = None
+        self._latecomers = Latecomers()
         self.faults = 0
-        """Instants that were dropped or moved."""
+        """Instants that were dropped or moved because the clock stepped."""
+
+    @property
+    def late(self) -> int:
+        """Instants that were overtaken on their way, and dropped."""
+        return self._latecomers.dropped
+
+    def is_overtaken(self, raw_ns: int) -> bool:
+        """Whether later instants than this one came before it, though the clock did not step."""
+        return self._latecomers.is_late(raw_ns)
 
     def repeat_ns(self, raw_ns: int) -> int | None:
         """The instant of a repeated fix: the last one once more, else None."""

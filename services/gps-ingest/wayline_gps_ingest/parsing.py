@@ -18,8 +18,19 @@ Fault = Literal["checksum", "malformed", "torn"]
 KINDS = frozenset(("GGA", "RMC", "GSA", "GSV", "GST", "VTG", "GLL", "GNS", "ZDA"))
 PROPRIETARY = {"PGRMZ": ("PG", "RMZ"), "PQGSV": ("PQ", "GSV")}
 """Talker and kind of proprietary sentences: Garmin's altitude, Quectel's satellites of QZSS."""
-FIELDS_MIN = {"GGA": 10, "RMC": 9, "GLL": 4, "GNS": 9, "GST": 8, "VTG": 4, "ZDA": 4, "GSA": 16}
-"""Fields that a sentence must have where no checksum vouches for its being whole."""
+FIELDS_MIN = {
+    "GGA": 10,
+    "RMC": 9,
+    "GLL": 4,
+    "GNS": 9,
+    "GST": 8,
+    "VTG": 4,
+    "ZDA": 4,
+    "GSA": 16,
+    "GSV": 3,
+    "RMZ": 2,
+}
+"""Fields that a whole sentence has; the checksum of a part of one may be right by chance."""
 ADDRESS = re.compile(r"[$!]([A-Z0-9]{2}[A-Z0-9.]*)[,*]")
 HEAD = len("$GPGGA,")
 """Of every sentence that is read; the proprietary ones have as many letters."""
@@ -37,7 +48,8 @@ class Parsed(msgspec.Struct, frozen=True):
 
 def parse(text: str) -> Parsed | Fault | None:
     """A sentence that gps-ingest reads, why it cannot be read, or None for one of no interest."""
-    text = text[max(text.rfind("$"), 0) :].rstrip()
+    start = text.rfind("$")
+    text = (text[start:] if start > 0 else text).rstrip()
     known = _known(text[:HEAD])
     if known is None:
         return _unread(text)
@@ -51,8 +63,11 @@ def parse(text: str) -> Parsed | Fault | None:
     # of a proprietary sentence pynmea2 takes the last letters of the address for a field
     talker, kind, is_proprietary = known
     fields = sentence.data[1:] if is_proprietary else sentence.data
-    if not checked and len(fields) < FIELDS_MIN.get(kind, 3):
+    if len(fields) < FIELDS_MIN[kind]:
         return "torn"
+    if " " in text:
+        # columns of fixed width
+        fields = [field.strip() for field in fields]
     return Parsed(talker, kind, fields, checked)
 
 

@@ -1,7 +1,7 @@
 """Pure: a position report of a transit system as a fix."""
 
 from wayline.inputs import PositionReport
-from wayline.messages import GpsFix
+from wayline.messages import SPEED_MAX_MPS, GpsFix
 
 
 def fix_of_report(report: PositionReport) -> GpsFix | None:
@@ -25,7 +25,7 @@ def fix_of_report(report: PositionReport) -> GpsFix | None:
 
 
 def _speed_mps(speed_mps: float | None) -> float | None:
-    return speed_mps if speed_mps is not None and 0.0 <= speed_mps < 200.0 else None
+    return speed_mps if speed_mps is not None and 0.0 <= speed_mps <= SPEED_MAX_MPS else None
 
 
 def _course_deg(heading_deg: float | None) -> float | None:

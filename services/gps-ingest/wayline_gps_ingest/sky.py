@@ -59,9 +59,11 @@ class Sky:
 
     def __init__(self) -> None:
         self._sentences: list[Observation] = []
+        self._used: set[Key] | None = None
 
     def add(self, observation: Observation) -> None:
         """Take a GSV or GSA sentence."""
+        self._used = None
         if len(self._sentences) < SENTENCES_MAX:
             self._sentences.append(observation)
 
@@ -72,21 +74,23 @@ class Sky:
 
     def used(self) -> set[Key]:
         """System and number of the satellites in use."""
+        if self._used is not None:
+            return self._used
         keys: set[Key] = set()
         for observation in self._sentences:
             if observation.kind == "GSA":
                 fields = observation.fields
                 system_id = fields[17] if len(fields) > 17 else ""
                 keys |= _used(observation.talker, system_id, tuple(fields[2:14]))
+        self._used = keys
         return keys
 
     def message(self, t_ns: int) -> GpsSky:
         """The satellites in view, by system and number."""
-        used = self.used()
-        satellites = (
-            seen.used if key in used else seen.unused
-            for key, seen in sorted(self._in_view().items())
-        )
+        used, in_view = self.used(), self._in_view()
+        satellites = [
+            in_view[key].used if key in used else in_view[key].unused for key in sorted(in_view)
+        ]
         return GpsSky(t_ns=t_ns, satellites=tuple(satellites))
 
     def _in_view(self) -> dict[Key, InView]:

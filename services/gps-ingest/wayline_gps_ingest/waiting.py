@@ -2,7 +2,7 @@
 
 from collections import deque
 
-from wayline_gps_ingest.dates import DAY_NS, EPOCH, nearest_ns
+from wayline_gps_ingest.dates import nearest_ns
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS
 
@@ -47,8 +47,9 @@ class WaitingRoom:
         """At the end of input: those that carry a day, taken at their word."""
         dated: list[tuple[Epoch, int]] = []
         for epoch in self._epochs:
-            if day := epoch.facts.get("date"):
-                dated.append((epoch, (day - EPOCH).days * DAY_NS + (epoch.time_ns or 0)))
+            dated_ns = epoch.facts.get("dated_ns")
+            if dated_ns is not None:
+                dated.append((epoch, nearest_ns(epoch.time_ns or 0, dated_ns)))
             else:
                 self._drop(epoch)
         self._epochs.clear()

@@ -4,9 +4,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wayline.air import metres_per_pascal, pressure_altitude_m
 from wayline.line import Floats
+from wayline.resolution import PRESSURE_UNIT_PA, Resolution
 from wayline.tuning import Tuning
 from wayline_slope_map.track import Altitude, Pressure, Track
 
@@ -18,6 +20,8 @@ class Measured(NamedTuple):
     travelled_m: Floats
     alt_m: Floats
     std_m: Floats
+    receiver: NDArray[np.intp]
+    """Its number, in order of first hearing; 0 for a barometer."""
 
 
 def gps_altitudes(track: Track, tuning: Tuning) -> Measured:
@@ -41,26 +45,19 @@ def barometer_altitudes(track: Track, tuning: Tuning) -> Measured:
         for reading in track.pressures
         if track.start_ns <= reading.t_ns <= track.times_ns[-1]
     )
-    step_pa = resolution_pa([reading.pressure_pa for reading in readings])
+    steps = Resolution(PRESSURE_UNIT_PA)
+    for reading in readings:
+        steps.learn(reading.pressure_pa)
     altitudes = []
     for same in _equal_in_a_row(readings):
         pressure_pa = same[0].pressure_pa
-        step_m = step_pa * metres_per_pascal(pressure_pa)
-        if step_m > tuning.map_barometer_step_max_m:
+        rounding_m = steps.std * metres_per_pascal(pressure_pa)
+        if rounding_m > tuning.baro_resolution_std_max_m:
             continue
-        rounding_m = step_m / math.sqrt(12.0) * math.sqrt(len(same))
-        std_m = math.hypot(rounding_m, tuning.map_barometer_std_m)
+        std_m = math.hypot(rounding_m * math.sqrt(len(same)), tuning.baro_std_m)
         alt_m = pressure_altitude_m(pressure_pa)
         altitudes += [Altitude(reading.t_ns, alt_m, std_m) for reading in same]
     return _measured(track, altitudes)
-
-
-def resolution_pa(pressures_pa: list[float]) -> float:
-    """The step of a barometer: the greatest common divisor of its readings, in 0.1 Pa.
-
-    A single value says nothing and has itself as step.
-    """
-    return math.gcd(*(round(10.0 * pressure_pa) for pressure_pa in pressures_pa)) / 10.0
 
 
 def _equal_in_a_row(readings: list[Pressure]) -> list[list[Pressure]]:
@@ -81,9 +78,11 @@ def _within(track: Track, altitudes: list[Altitude]) -> list[Altitude]:
 
 def _measured(track: Track, altitudes: list[Altitude]) -> Measured:
     times_s = track.seconds([altitude.t_ns for altitude in altitudes])
+    sources = list(dict.fromkeys(altitude.source for altitude in altitudes))
     return Measured(
         times_s,
         track.travelled_at(times_s),
         np.array([altitude.alt_m for altitude in altitudes], dtype=np.float64),
         np.array([altitude.std_m for altitude in altitudes], dtype=np.float64),
+        np.array([sources.index(altitude.source) for altitude in altitudes], dtype=np.intp),
     )

@@ -7,7 +7,7 @@ import msgspec
 
 from wayline.core import Record, Sleep
 from wayline.geo import wrap_360
-from wayline.gps_quality import altitude_std_m
+from wayline.gps_quality import altitude_std_m, has_altitude
 from wayline.inputs import Flush, Tick
 from wayline.messages import Barometer, GpsFix, Horizon, Message, Pose
 from wayline.tuning import Tuning
@@ -46,17 +46,13 @@ class SlopeMapCore:
         self._is_looking = False
         """The last horizon told what lies ahead of a fresh pose."""
 
-    def handle(
-        self,
-        message: msgspec.Struct,
-        source: str,  # noqa: ARG002  # the slope is one whichever source
-    ) -> Sequence[Message | Record | Sleep]:
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take one input and return what follows from it, in order."""
         match message:
             case Pose():
                 return self._take_pose(message)
             case GpsFix():
-                self._take_fix(message)
+                self._take_fix(message, source)
             case Barometer(pressure_pa=float(pressure_pa)):
                 self._track.pressures.append(Pressure(message.t_ns, pressure_pa))
             case Tick() if message.t_ns % SECOND_NS == 0:
@@ -133,10 +129,10 @@ class SlopeMapCore:
         back_m = (last.match.along_m - place.match.along_m) * place.match.direction
         return back_m > 0.5 * length_m
 
-    def _take_fix(self, fix: GpsFix) -> None:
-        if fix.valid and fix.alt_m is not None and fix.mode != 2:
+    def _take_fix(self, fix: GpsFix, source: str) -> None:
+        if fix.alt_m is not None and has_altitude(fix):
             std_m = altitude_std_m(fix, self._tuning)
-            self._track.altitudes.append(Altitude(fix.t_ns, fix.alt_m, std_m))
+            self._track.altitudes.append(Altitude(fix.t_ns, fix.alt_m, std_m, source))
 
     def _finish(self) -> Sequence[Record]:
         """The runs of the track so far; a new track begins."""

@@ -14,7 +14,8 @@ from wayline_slope_map.smoothing import Smoothed, smooth
 from wayline_slope_map.stretches import cut
 from wayline_slope_map.track import Track
 
-NOTHING = Measured(*(np.empty(0) for _ in Measured._fields))
+NONE = np.empty(0)
+NOTHING = Measured(NONE, NONE, NONE, NONE, np.empty(0, dtype=np.intp))
 STEEPEST_PCT = 50.0
 """No road is steeper; keeps a bad run out and the sums inside 64 bits."""
 
@@ -57,8 +58,10 @@ def finished_runs(
 def _smoothed_by_sensor(
     track: Track, travelled_m: Floats, tuning: Tuning
 ) -> dict[Sensor, Smoothed]:
-    """The run by all sensors together and by each alone (papers/004 eq. 5.16)."""
-    gps, barometer = gps_altitudes(track, tuning), barometer_altitudes(track, tuning)
+    """The run by all sensors that are to be used, and by each alone (papers/004 eq. 5.16)."""
+    used = tuning.vertical_sensors
+    gps = gps_altitudes(track, tuning) if "gps" in used else NOTHING
+    barometer = barometer_altitudes(track, tuning) if "barometer" in used else NOTHING
     times_s = track.seconds_at(travelled_m)
     choices: dict[Sensor, tuple[Measured, Measured]] = {
         "fused": (gps, barometer),

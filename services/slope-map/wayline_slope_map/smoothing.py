@@ -1,36 +1,32 @@
 """Pure: a run's altitude and grade, filtered forwards and smoothed backwards (papers/004).
 
-States (eq. 4.3, 4.4, with the corrections of data/papers): altitude; the slope's tangent, so that
-100 times it is the grade; and the slow errors of the two altimeters. Eq. 4.7, z' = u sin(slope),
-becomes z' = tan(slope) for each metre of horizontal distance: linear, so that no extended filter
-is needed (the paper tried filtering over distance too and saw no difference). Eq. 4.8 lets the
-slope stand still; here it walks at random, which gives Q (eq. 5.9) in closed form for any step.
-The pressure model's missing offset is the barometer's bias. No time shifts (section 5.2.3): the
-backward pass has no lag.
-
-A GPS altitude's error wanders over a minute, so that 1 Hz samples are not independent (R of
-eq. 5.11 takes them so): most of it is a state of its own, a first-order Gauss-Markov process that
-is driven towards the std that each fix has at its time, and only a small share is white.
+The model is the one that fusion filters with as the vehicle drives (`wayline.vertical`), and
+altitudes are believed by the same rules; here the run is known to its end, so that the backward
+pass (Rauch, Tung and Striebel) leaves no lag and needs no time shifts (section 5.2.3).
 """
 
+import math
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
-from filterpy.kalman import KalmanFilter
 from numpy.typing import NDArray
 
+from wayline.likelihood import Measurement, nis_of, threshold, weighed
 from wayline.line import Floats
+from wayline.noise_scale import NoiseScale
 from wayline.tuning import Tuning
+from wayline.vertical.filter import VerticalFilter
+from wayline.vertical.model import Transition, VerticalStates
+from wayline.vertical.trust import LIKELY_PROBABILITY, PRESSURE_FACTOR_MIN, AltitudeTrust
 from wayline_slope_map.altitudes import Measured
 
-ALTITUDE, SLOPE, GPS_ERROR, BARO_BIAS = range(4)
+S = VerticalStates
 FIRST_ALTITUDE_STD_M = 100.0
-FIRST_SLOPE_STD = 0.05
-"""Roads seldom climb more than 10 %."""
-FIRST_BARO_BIAS_STD_M = 150.0
-"""Weather moves the pressure by 40 hPa, which is 340 m from end to end."""
-GATE = 9.0
-"""Innovations beyond 3 sigma are weighted down so that they move the state like 3 sigma (Huber)."""
+"""Of the median of the first altitudes."""
+FIRST_ALTITUDES = 15
+BAROMETER, ASKED = -1, -2
+"""In place of a receiver's number."""
 
 
 class Smoothed(NamedTuple):
@@ -50,9 +46,8 @@ class _Nodes(NamedTuple):
     alt_m: Floats
     std_m: Floats
     """NaN in both where the node is asked only."""
-    gps_std_m: Floats
-    """Of the fixes around the node; 1 where there are none, for their error is then not seen."""
-    barometer: NDArray[np.bool_]
+    sensor: NDArray[np.intp]
+    """A receiver's number, or one of the two above."""
     asked: NDArray[np.intp]
     """For every node the index of what is asked there, -1 where nothing is."""
 
@@ -67,15 +62,16 @@ def smooth(
     if len(gps.alt_m) + len(barometer.alt_m) < 2:
         return None
     nodes = _nodes(gps, barometer, times_s, travelled_m)
-    x, P = _smoothed_states(nodes, _first_state(gps, barometer), tuning)
+    forward = _ForwardPass(gps, barometer, tuning)
+    x, P = forward.smoothed(nodes)
     at = nodes.asked >= 0
     order = np.argsort(nodes.asked[at])
     x, P = x[at][order], P[at][order]
     return Smoothed(
-        alt_m=x[:, ALTITUDE],
-        alt_std_m=np.sqrt(P[:, ALTITUDE, ALTITUDE]),
-        grade_pct=100.0 * x[:, SLOPE],
-        grade_std_pct=100.0 * np.sqrt(P[:, SLOPE, SLOPE]),
+        alt_m=x[:, S.ALTITUDE],
+        alt_std_m=np.sqrt(P[:, S.ALTITUDE, S.ALTITUDE]),
+        grade_pct=100.0 * x[:, S.SLOPE],
+        grade_std_pct=100.0 * np.sqrt(P[:, S.SLOPE, S.SLOPE]),
     )
 
 
@@ -85,87 +81,102 @@ def _nodes(gps: Measured, barometer: Measured, times_s: Floats, travelled_m: Flo
     times = np.concatenate((gps.times_s, barometer.times_s, times_s))
     travelled = np.concatenate((gps.travelled_m, barometer.travelled_m, travelled_m))
     order = np.lexsort((times, travelled))
-    counts = [len(gps.alt_m), len(barometer.alt_m), asked]
-    measured = counts[0] + counts[1]
+    measured = len(gps.alt_m) + len(barometer.alt_m)
+    others = np.repeat([BAROMETER, ASKED], [len(barometer.alt_m), asked])
     return _Nodes(
         times[order],
         travelled[order],
         np.concatenate((gps.alt_m, barometer.alt_m, nothing))[order],
         np.concatenate((gps.std_m, barometer.std_m, nothing))[order],
-        np.interp(times, gps.times_s, gps.std_m)[order] if counts[0] else np.ones(len(times)),
-        np.repeat([False, True, False], counts)[order],
+        np.concatenate((gps.receiver, others))[order],
         np.concatenate((np.full(measured, -1), np.arange(asked)))[order],
     )
 
 
-def _first_state(gps: Measured, barometer: Measured) -> Floats:
-    """Medians of the first altitudes, because any one of them may be far out."""
-    x = np.zeros(4)
-    barometer_m = float(np.median(barometer.alt_m[:15])) if len(barometer.alt_m) else 0.0
-    x[ALTITUDE] = float(np.median(gps.alt_m[:15])) if len(gps.alt_m) else barometer_m
-    if len(barometer.alt_m):
-        x[BARO_BIAS] = barometer_m - x[ALTITUDE]
-    return x
+class _ForwardPass:
+    """Filters a run forward, and keeps what the backward pass needs of each node."""
+
+    def __init__(self, gps: Measured, barometer: Measured, tuning: Tuning) -> None:
+        receivers = int(gps.receiver.max()) + 1 if len(gps.receiver) else 1
+        self._tuning = tuning
+        self._kalman = kalman = VerticalFilter(tuning, receivers)
+        kalman.x[: S.GPS_ERROR] = _first_state(gps, barometer)
+        kalman.P[S.ALTITUDE, S.ALTITUDE] = FIRST_ALTITUDE_STD_M**2
+        self._trust = [AltitudeTrust() for _ in range(receivers)]
+        self._noise = NoiseScale()
+        # without a barometer nothing but the road's own unrest tells noise from a hill
+        self._has_barometer = len(barometer.alt_m) > 0
+
+    def smoothed(self, nodes: _Nodes) -> tuple[Floats, Floats]:
+        """States (n, size) and covariances (n, size, size) given all, before and after."""
+        kalman, count, size = self._kalman, len(nodes.times_s), self._kalman.model.size
+        steps_m = np.maximum(np.diff(nodes.travelled_m, prepend=nodes.travelled_m[0]), 0.0)
+        steps_s = np.maximum(np.diff(nodes.times_s, prepend=nodes.times_s[0]), 0.0)
+        x = np.empty((count, size))
+        P, F, Q = (np.empty((count, size, size)) for _ in range(3))
+        for k in range(count):
+            moved = kalman.advance(steps_m[k], steps_s[k])
+            F[k], Q[k] = self._take(nodes, k, moved)
+            x[k], P[k] = kalman.x, kalman.P
+        smoothed_x, smoothed_P, _, _ = kalman.rts_smoother(x, P, Fs=F, Qs=Q)
+        return smoothed_x, smoothed_P
+
+    def _take(self, nodes: _Nodes, k: int, moved: Transition) -> Transition:
+        """Correct with what was measured; returns all that moved the state before that."""
+        receiver, alt_m, std_m = int(nodes.sensor[k]), nodes.alt_m[k], nodes.std_m[k]
+        if receiver == BAROMETER:
+            self._take_pressure(alt_m, std_m)
+        elif receiver != ASKED:
+            return self._take_altitude(receiver, alt_m, std_m, round(1e9 * nodes.times_s[k]), moved)
+        return moved
+
+    def _take_pressure(self, alt_m: float, std_m: float) -> None:
+        kalman, noise = self._kalman, self._noise
+        noisy_m = math.sqrt(noise.factor) * std_m
+        measurement = kalman.model.barometer(kalman.x, alt_m, noisy_m)
+        expected = kalman.expected(measurement)
+        square = float(measurement.y[0]) ** 2
+        self._noise = noise.learned(square, float(expected[0, 0]), std_m**2, PRESSURE_FACTOR_MIN)
+        kalman.correct(weighed(measurement, expected, self._tuning.gate_probability))
+
+    def _take_altitude(
+        self, receiver: int, alt_m: float, std_m: float, t_ns: int, moved: Transition
+    ) -> Transition:
+        kalman, trust = self._kalman, self._trust[receiver]
+        slow_std_m, before_m = kalman.model.slow_std_m(std_m), trust.slow_std_m
+        renewal = before_m and kalman.project_error(receiver, before_m, slow_std_m)
+        if renewal:
+            moved = Transition(renewal.F @ moved.F, renewal.F @ moved.Q @ renewal.F.T + renewal.Q)
+        if renewal or before_m is None:
+            trust = msgspec.structs.replace(trust, slow_std_m=slow_std_m)
+        measurement = kalman.model.gps_altitude(kalman.x, receiver, alt_m, std_m)
+        if self._is_likely(measurement):
+            kalman.correct(self._weighed(measurement))
+            trust = trust.after_accepted(t_ns) if trust.accepted_ns else trust.after_set(t_ns)
+        else:
+            off_m = float(measurement.y[0])
+            trust = trust.after_rejected(t_ns, off_m, std_m)
+            if trust.is_won(self._tuning):
+                moved = moved._replace(Q=moved.Q + kalman.inflate_altitude(off_m))
+                kalman.correct(measurement)
+                trust = trust.after_set(t_ns)
+        self._trust[receiver] = trust
+        return moved
+
+    def _is_likely(self, measurement: Measurement) -> bool:
+        nis = nis_of(measurement, self._kalman.expected(measurement))
+        return nis <= threshold(1, self._tuning.gate_probability)
+
+    def _weighed(self, measurement: Measurement) -> Measurement:
+        if not self._has_barometer:
+            return measurement
+        return weighed(measurement, self._kalman.expected(measurement), LIKELY_PROBABILITY)
 
 
-def _smoothed_states(nodes: _Nodes, first: Floats, tuning: Tuning) -> tuple[Floats, Floats]:
-    """States (n, 4) and covariances (n, 4, 4) given all measurements, before and after."""
-    kalman = KalmanFilter(dim_x=4, dim_z=1)
-    kalman.x = first
-    kalman.P = np.diag(
-        np.square(
-            [
-                FIRST_ALTITUDE_STD_M,
-                FIRST_SLOPE_STD,
-                nodes.gps_std_m[0],
-                FIRST_BARO_BIAS_STD_M,
-            ]
-        )
-    )
-    F, Q = _transitions(nodes, tuning)
-    x, P = np.empty((len(F), 4)), np.empty((len(F), 4, 4))
-    for k in range(len(F)):
-        kalman.predict(F=F[k], Q=Q[k])
-        if not np.isnan(nodes.alt_m[k]):
-            _update(kalman, nodes.alt_m[k], nodes.std_m[k], nodes.barometer[k], tuning)
-        x[k], P[k] = kalman.x, kalman.P
-    smoothed_x, smoothed_P, _, _ = kalman.rts_smoother(x, P, Fs=F, Qs=Q)
-    return smoothed_x, smoothed_P
-
-
-def _transitions(nodes: _Nodes, tuning: Tuning) -> tuple[Floats, Floats]:
-    """F and Q from each node's predecessor, shape (n, 4, 4): eq. 5.5 and 5.9 over distance."""
-    steps_m = np.maximum(np.diff(nodes.travelled_m, prepend=nodes.travelled_m[0]), 0.0)
-    steps_s = np.maximum(np.diff(nodes.times_s, prepend=nodes.times_s[0]), 0.0)
-    F = np.tile(np.eye(4), (len(steps_m), 1, 1))
-    F[:, ALTITUDE, SLOPE] = steps_m
-    F[:, GPS_ERROR, GPS_ERROR] = np.exp(-steps_s / tuning.map_gps_error_time_s)
-    walk = (tuning.map_slope_walk_pct_per_sqrt_m / 100.0) ** 2
-    Q = np.zeros_like(F)
-    Q[:, ALTITUDE, ALTITUDE] = walk * steps_m**3 / 3.0
-    Q[:, ALTITUDE, SLOPE] = Q[:, SLOPE, ALTITUDE] = walk * steps_m**2 / 2.0
-    Q[:, SLOPE, SLOPE] = walk * steps_m
-    wander_m2 = nodes.gps_std_m**2 * (1.0 - tuning.map_gps_white_share**2)
-    Q[:, GPS_ERROR, GPS_ERROR] = wander_m2 * (1.0 - F[:, GPS_ERROR, GPS_ERROR] ** 2)
-    Q[:, BARO_BIAS, BARO_BIAS] = tuning.map_barometer_walk_m_per_sqrt_s**2 * steps_s
-    return F, Q
-
-
-def _update(
-    kalman: KalmanFilter, alt_m: float, std_m: float, barometer: bool, tuning: Tuning
-) -> None:
-    """One altitude in (eq. 4.25 to 4.27), with H of eq. 4.5 and the sensor's own error."""
-    H = np.zeros((1, 4))
-    H[0, ALTITUDE] = 1.0
-    if barometer:
-        H[0, BARO_BIAS] = 1.0
-        R = std_m**2
-    else:
-        H[0, GPS_ERROR] = 1.0
-        R = (tuning.map_gps_white_share * std_m) ** 2
-    innovation_m = alt_m - float((H @ kalman.x)[0])
-    S = float((H @ kalman.P @ H.T)[0, 0]) + R
-    excess = innovation_m**2 / S / GATE
-    if excess > 1.0:
-        R += S * (excess**0.5 - 1.0)
-    kalman.update(np.array([alt_m]), R=R, H=H)
+def _first_state(gps: Measured, barometer: Measured) -> tuple[float, float, float]:
+    """Altitude, slope and bias, by medians of the first altitudes: any one may be far out."""
+    baro_m = float(np.median(barometer.alt_m[:FIRST_ALTITUDES])) if len(barometer.alt_m) else None
+    gps_m = float(np.median(gps.alt_m[:FIRST_ALTITUDES])) if len(gps.alt_m) else None
+    if baro_m is None or gps_m is None:
+        return (baro_m or gps_m or 0.0), 0.0, 0.0
+    return gps_m, 0.0, baro_m - gps_m

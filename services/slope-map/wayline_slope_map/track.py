@@ -30,6 +30,8 @@ class Altitude(NamedTuple):
     t_ns: int
     alt_m: float
     std_m: float
+    source: str = ""
+    """The receiver."""
 
 
 class Pressure(NamedTuple):

@@ -44,6 +44,15 @@ def test_several_recordings_follow_each_other_also_compressed(tmp_path: Path) ->
     assert [frame.data for frame in CanLog([plain, packed])] == [b"\x01", b"\x02"]
 
 
+def test_only_the_named_channel_is_read_and_the_others_are_counted(tmp_path: Path) -> None:
+    path = tmp_path / "a.log"
+    path.write_text("(1.0) can0 100#01\n(2.0) can1 100#02\n", encoding="ascii")
+    log = CanLog([path], channel="can1")
+    assert [frame.data for frame in log] == [b"\x02"]
+    assert log.left_out == {"on another channel": 1}
+    assert log.channels == {"can0": 1, "can1": 1}
+
+
 @pytest.mark.parametrize(
     ("name", "content", "mend"),
     [

@@ -10,7 +10,7 @@ from cantools.database.can import Database
 from builders import about, at, frame, only
 from wayline.drive import CanSource, Clock, Condition, Drive, DriveInfo, SignalMapping, Vehicle
 from wayline.errors import InputError
-from wayline.inputs import Flush, Tick
+from wayline.inputs import Flush, Frame, Tick
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
 from wayline_can_ingest.core import CanIngestCore
 from wayline_can_ingest.dbc import load_database
@@ -69,7 +69,7 @@ def ingest(
 def core_of(database: Database, source: CanSource, vehicle: Vehicle | None = None) -> CanIngestCore:
     vehicle = vehicle or Vehicle()
     mapping = compile_mapping(source, [database], vehicle, "drive.toml")
-    return CanIngestCore(source, mapping, vehicle, channel=source.channel)
+    return CanIngestCore(source, mapping, vehicle)
 
 
 def feed(core: CanIngestCore, *inputs: Any) -> list[Message]:
@@ -345,17 +345,6 @@ def test_a_clock_that_steps_back_goes_on_and_is_counted(database: Database) -> N
     assert core.bad_input == 1
 
 
-def test_only_the_named_channel_is_read(database: Database) -> None:
-    source = CanSource(
-        path="x.log",
-        channel="can1",
-        signals={"gyro.yaw_rate_degps": SignalMapping(message="Imu", signal="Rate")},
-    )
-    core = core_of(database, source)
-    both = (frame(0, 257, "640001", "can0"), frame(1, 257, "640001", "can1"))
-    assert [message.t_ns for message in feed(core, *both)] == [at(1)]
-
-
 def test_j1939_matches_by_pgn_and_nulls_what_is_not_available(database: Database) -> None:
     source = CanSource(
         path="x.log",
@@ -426,3 +415,13 @@ def test_a_broken_database_is_one_line_with_the_place(tmp_path: Path) -> None:
     path.write_text('BO_ 1 A: 8 X\n SG_ B : 0|8@1+ (1,0) [0|1] " X\n', encoding="utf-8")
     with pytest.raises(InputError, match=r"^.*broken\.dbc: is no CAN database \(.*line \d.*$"):
         load_database(path)
+
+
+@pytest.mark.parametrize(("scale", "speed_mps"), [(1.0, 100.0), (-1.0, 100.0), (2.1, None)])
+def test_a_speed_that_no_vehicle_has_is_unknown_forwards_and_backwards(
+    database: Database, scale: float, speed_mps: float | None
+) -> None:
+    mapping = SignalMapping(message="Wheels", signal="Left", scale=scale)
+    frame = Frame(at(0), "1", 256, False, (10_000).to_bytes(2, "little") + bytes(2))
+    found = ingest(database, frame, odometer__speed_mps=mapping)
+    assert [each.speed_mps for each in found if isinstance(each, Odometer)] == [speed_mps]

@@ -5,8 +5,12 @@ from pathlib import Path
 import pytest
 
 from wayline.errors import InputError
-from wayline.route import DEFAULT_SPEED_MPS
-from wayline_cli.route_import import route_from_csv
+from wayline.route import DEFAULT_SPEED_MPS, Route
+from wayline_cli.route_import import Wishes, import_route
+
+
+def route_from_csv(path: Path, route_id: str, name: str, *, loop: bool) -> Route:
+    return import_route(path, Wishes(route_id, name, loop))
 
 
 def csv_file(folder: Path, text: str) -> Path:
@@ -72,7 +76,8 @@ def test_columns_may_come_in_any_order_and_speed_may_be_missing(tmp_path: Path) 
         ("lat,lon\n1,2\n1\n", r"line 3: '' is not a number"),
         ("lat,lon,speed\n1,2,fast\n1,3,4\n", "line 2: 'fast'"),
         ("lat,lon,speed\n1,2,nan\n1,3,4\n", "line 2: 'nan'"),
-        ("lat,lon,speed\n1,2,0\n1,3,4\n", "speed 0 of leg 1"),
+        ("lat,lon,speed\n1,2,0\n1,3,0\n", "no speed is above 0"),
+        ("lat,lon,speed\n1,2,-1\n1,3,4\n", "line 2: the speed is below 0"),
     ],
 )
 def test_a_bad_file_is_refused_with_its_line(tmp_path: Path, text: str, says: str) -> None:

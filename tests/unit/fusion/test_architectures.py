@@ -21,7 +21,8 @@ from unit.fusion.drives import (
 )
 from wayline.messages import FusionStatus, GpsFix, Message, Pose
 from wayline.tuning import ArchitectureName, Tuning
-from wayline_fusion.core import ARCHITECTURES, FusionCore
+from wayline_fusion.architectures.choice import ARCHITECTURES
+from wayline_fusion.core import FusionCore
 
 COMPARED: tuple[ArchitectureName, ...] = ("uncoupled", "gps_only", "gps_only_modified")
 GPS_ALONE: tuple[ArchitectureName, ...] = ("gps_only", "gps_only_modified")

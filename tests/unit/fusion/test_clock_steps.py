@@ -2,7 +2,7 @@
 
 from builders import fix, gyro, odometer
 from wayline.messages import Message
-from wayline_fusion.clock_steps import ClockSteps
+from wayline_fusion.intake.clock_steps import ClockSteps
 
 
 def steps_s(messages: list[Message]) -> list[float]:

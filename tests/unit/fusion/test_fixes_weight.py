@@ -9,12 +9,12 @@ import pytest
 from builders import at, only
 from faults import displaced
 from unit.fusion.drives import ORIGIN, Sensors, messages_of, truth_of, winding
+from wayline.likelihood import threshold
 from wayline.messages import FusionStatus, Message, Pose, Verdict
 from wayline.node import Node
 from wayline.tuning import Tuning
+from wayline_fusion.architectures.loose import Loose
 from wayline_fusion.core import FusionCore
-from wayline_fusion.gate import threshold
-from wayline_fusion.loose import Loose
 
 OFF_S = 120.0
 LIKELY = threshold(2, 0.95)
@@ -83,7 +83,7 @@ def white_factor(gps_noise_m: float) -> float:
     core = before(gps_noise_m)[0].core
     assert isinstance(core, FusionCore)
     assert isinstance(core._estimator, Loose)
-    return core._estimator.memory.position_noise.factor
+    return core._estimator.learned.position_noise.factor
 
 
 def test_a_receivers_white_noise_is_learned_above_and_below_what_it_claims() -> None:

@@ -15,10 +15,10 @@ import sqlalchemy as sa
 
 from wayline.core import Record
 from wayline.database import open_database
-from wayline_fusion.patient_store import PatientStore
-from wayline_fusion.records import LastPose, Saved, SensorCalibration
-from wayline_fusion.store import FusionStore
-from wayline_fusion.tables import METADATA
+from wayline_fusion.keeping.patient_store import PatientStore
+from wayline_fusion.keeping.records import LastPose, Saved, SensorCalibration
+from wayline_fusion.keeping.store import FusionStore
+from wayline_fusion.keeping.tables import METADATA
 
 PACKAGE = "wayline_fusion"
 CALIBRATION = SensorCalibration(

@@ -3,7 +3,7 @@
 import pytest
 
 from builders import at
-from wayline_fusion.gyro_track import GyroTrack
+from wayline_fusion.filter.gyro_track import GyroTrack
 
 
 def track(*samples: tuple[float, float]) -> GyroTrack:

@@ -18,13 +18,13 @@ from unit.fusion.drives import (
     truth_of,
     winding,
 )
+from wayline.agreement import FORGOTTEN_AFTER_NS, Agreement, lasted_s, rejected
 from wayline.messages import FusionStatus, GpsFix, Gyro, Message, Pose
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
-from wayline_fusion.horizontal import HorizontalFilter
-from wayline_fusion.measurements import gps_speed, odometer
-from wayline_fusion.states import SIZE, States
-from wayline_fusion.streak import FORGOTTEN_AFTER_NS, Streak, after, lasted_s
+from wayline_fusion.filter.horizontal import HorizontalFilter
+from wayline_fusion.filter.measurements import gps_speed, odometer
+from wayline_fusion.filter.states import SIZE, States
 
 TUNING = Tuning()
 REAL = Sensors(gps_noise_m=0.5)
@@ -189,19 +189,17 @@ def test_a_bias_that_stays_at_rest_is_believed() -> None:
 
 def test_a_streak_lasts_from_the_first_rejection_to_now() -> None:
     second_ns = 1_000_000_000
-    streak = after(None, 5 * second_ns, is_accepted=False)
-    streak = after(streak, 8 * second_ns, is_accepted=False)
+    streak = rejected(rejected(None, 5 * second_ns), 8 * second_ns)
     assert lasted_s(streak, 9 * second_ns) == about(4.0)
-    assert after(streak, 9 * second_ns, is_accepted=True) is None
     assert lasted_s(None, 9 * second_ns) == 0.0
 
 
 def test_a_streak_ends_with_a_silence() -> None:
     """What comes after it begins another one."""
-    streak = Streak(0, 3_000_000_000)
+    streak = Agreement(0, 0, 3_000_000_000)
     late_ns = streak.last_ns + FORGOTTEN_AFTER_NS + 1
     assert lasted_s(streak, late_ns) == 0.0
-    assert after(streak, late_ns, is_accepted=False) == Streak(late_ns, late_ns)
+    assert rejected(streak, late_ns) == Agreement(late_ns, late_ns, late_ns)
     assert lasted_s(streak, late_ns - 1) > 12.0
 
 

@@ -7,7 +7,7 @@ from unit.fusion.drives import ORIGIN
 from wayline.messages import Barometer, FusionStatus, GpsFix, Message
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
-from wayline_fusion.plausibility import Plausibility, within_reason
+from wayline_fusion.intake.plausibility import Plausibility, within_reason
 
 FROZEN = "the receiver repeats a position that the vehicle has left"
 

@@ -19,8 +19,8 @@ from wayline.codec import decode, encode
 from wayline.messages import Barometer, FusionStatus, GpsFix, Gyro, Message, Odometer, Pose
 from wayline.node import Node
 from wayline.tuning import Tuning
+from wayline_fusion.architectures.loose import Loose
 from wayline_fusion.core import FusionCore
-from wayline_fusion.loose import Loose
 
 WARM_S = 40.0
 START_S = 100.0

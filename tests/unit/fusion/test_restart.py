@@ -30,7 +30,7 @@ from wayline.node import Node
 from wayline.pipeline import Pipeline
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
-from wayline_fusion.records import Saved
+from wayline_fusion.keeping.records import Saved
 
 NIGHT_S = 8.0 * 3600.0
 SENSORS = Sensors(gyro_bias_degps=0.5, odometer_scale=0.97, gps_noise_m=1.0)

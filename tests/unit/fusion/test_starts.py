@@ -27,8 +27,8 @@ from unit.fusion.drives import (
 from wayline.messages import FusionStatus, GpsFix, Gyro, Message, Odometer, Pose
 from wayline.node import Node
 from wayline.tuning import Tuning
+from wayline_fusion.architectures.loose import Loose
 from wayline_fusion.core import FusionCore
-from wayline_fusion.loose import Loose
 
 
 def out_of_a_garage(seconds: float) -> tuple[float, float]:

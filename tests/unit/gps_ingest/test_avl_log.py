@@ -1,7 +1,9 @@
 """Position reports are read by their table; bad rows are seen, bad tables refused."""
 
+import gzip
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from wayline.avl_log import read_reports
@@ -83,3 +85,44 @@ def test_a_missing_file_is_said_in_one_line(tmp_path: Path) -> None:
     Path(table.path).unlink()
     with pytest.raises(InputError, match="cannot be read"):
         list(read_reports(table))
+
+
+ROWS = "Zeit;lat;lon;heading;speed\n22.11.2026 10:00:00;48,1000;11,5;102;4,5\n"
+REPORT = PositionReport(1_795_341_600_000_000_000, 48.1, 11.5, 102.0, 4.5)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        ROWS.encode(),
+        ROWS.encode("utf-8-sig"),
+        ROWS.encode("utf-16"),
+        ROWS.encode("utf-16-le"),
+        gzip.compress(ROWS.encode()),
+        ("sep=;\n" + ROWS).encode(),
+        ("# Fahrzeug M\xfcnchen 1\n" + ROWS).encode("cp1252"),
+        ROWS.replace(";", "\t").encode(),
+        ROWS.replace(",", ".").replace(";", ",").encode(),
+        ROWS.replace(";", '","')
+        .replace("\n", '"\n')
+        .replace("Zeit", '"Zeit')
+        .replace("22", '"22')
+        .encode(),
+        ROWS.replace("22.11.2026", "2026/11/22").replace(";", "  |  ").encode(),
+    ],
+)
+def test_tables_as_programs_export_them_are_read(tmp_path: Path, content: bytes) -> None:
+    """Semicolons, tabs, decimal commas, packed, in the encodings of Excel."""
+    table = source(tmp_path, "")
+    Path(table.path).write_bytes(content)
+    columns = msgspec.structs.replace(table.columns, time="Zeit")
+    assert list(read_reports(msgspec.structs.replace(table, columns=columns))) == [REPORT]
+
+
+def test_a_packed_table_that_was_cut_is_read_so_far_and_counted(tmp_path: Path) -> None:
+    packed = gzip.compress((HEADER + "1462459510,38.9,-77.0,,\n" * 10_000).encode())
+    table = source(tmp_path, "")
+    Path(table.path).write_bytes(packed[: len(packed) * 3 // 4])
+    *reports, last = read_reports(table)
+    assert sum(report is not None for report in reports) > 5_000
+    assert last is None

@@ -15,6 +15,7 @@ from wayline_gps_ingest import fields
         ("0000.0000", "N", 0.0),
         ("4530", "N", 45.5),
         ("9000.000", "S", -90.0),
+        ("4860.0000", "N", 49.0),  # 48 degrees 59.99999, rounded by its receiver
     ],
 )
 def test_latitude_is_degrees_and_minutes(text: str, hemisphere: str, expected_deg: float) -> None:
@@ -24,7 +25,7 @@ def test_latitude_is_degrees_and_minutes(text: str, hemisphere: str, expected_de
 
 @pytest.mark.parametrize(
     ("text", "hemisphere"),
-    [("4860.000", "N"), ("9000.001", "N"), ("48x7.0", "N"), ("4807.0", ""), ("-4807.0", "N")],
+    [("4860.001", "N"), ("9000.001", "N"), ("48x7.0", "N"), ("4807.0", ""), ("-4807.0", "N")],
 )
 def test_a_latitude_that_cannot_be_one_is_refused(text: str, hemisphere: str) -> None:
     with pytest.raises(fields.BadFieldError):

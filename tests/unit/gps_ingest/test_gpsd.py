@@ -1,5 +1,7 @@
 """gpsd's reports as fixes and skies; the lines are those of gpsd 3.22."""
 
+import pytest
+
 from wayline.inputs import Flush
 from wayline.messages import GpsFix, GpsSky, Message
 from wayline_gps_ingest.gpsd import GpsdCore, GpsdReport
@@ -132,3 +134,64 @@ def test_what_cannot_be_read_is_counted() -> None:
     assert core.faults == {"report": len(bad)}
     off = tpv(20).replace("-37.784791667", "-97.0")
     assert [fix.valid for fix in fixes(said(core, off))] == [False]
+
+
+def test_altitudes_of_gpsds_of_all_ages_are_above_the_sea() -> None:
+    """Up to 3.18 `alt` is that and the only one; later it is undefined beside others."""
+    told = {
+        '"alt":449.5,': 449.5,
+        '"alt":500.0,"altMSL":449.5,"altHAE":496.6,': 449.5,
+        '"alt":500.0,"altHAE":473.2,': 449.5,  # less the geoid's 23.7
+        "": None,
+    }
+    for more, alt_m in told.items():
+        (fix,) = fixes(said(GpsdCore(), tpv(20, more=f'"mode":3,{more}')))
+        assert fix.alt_m == (None if alt_m is None else pytest.approx(alt_m))
+
+
+def test_times_of_the_first_gpsds_are_seconds() -> None:
+    report = '{"class":"TPV","device":"a","mode":2,"time":1796002400.25,"lat":1.5,"lon":2}'
+    (fix,) = fixes(said(GpsdCore(), report))
+    assert fix.t_ns == T_NS + SECOND_NS // 4
+
+
+def test_a_sky_in_several_reports_is_one() -> None:
+    """Dilutions and counts in one, each constellation in another."""
+
+    def part(more: str) -> str:
+        return f'{{"class":"SKY","device":"/dev/ttyS1",{more}}}'
+
+    def listed(gnssid: int, prns: range) -> str:
+        views = (f'{{"PRN":{prn},"gnssid":{gnssid},"used":true}}' for prn in prns)
+        return f'"satellites":[{",".join(views)}]'
+
+    dilutions = part('"hdop":1.1,"pdop":1.8,"vdop":1.5,"nSat":7,"uSat":6')
+    parts = [dilutions, part(f'"nSat":7,{listed(0, range(1, 5))}'), part(listed(6, range(65, 68)))]
+    core = GpsdCore()
+    messages = said(core, tpv(20), *parts, tpv(21), *parts, tpv(22))
+    fix = fixes(messages)[-1]
+    assert (fix.satellites, fix.hdop, fix.pdop, fix.vdop) == (6, 1.1, 1.8, 1.5)
+    skies = [each for each in messages if isinstance(each, GpsSky)]
+    assert [len(sky.satellites) for sky in skies] == [7] * len(skies)
+    assert len(skies) == 2
+
+
+def test_satellites_in_use_are_known_without_their_list() -> None:
+    """Receivers without GSV: gpsd tells their number alone."""
+    core = GpsdCore()
+    report = '{"class":"SKY","device":"/dev/ttyS1","hdop":1.1,"nSat":9,"uSat":7}'
+    assert fixes(said(core, tpv(20), report, tpv(21)))[-1].satellites == 7
+
+
+def test_0_north_0_east_is_no_fix() -> None:
+    zero = tpv(20).replace("-37.784791667", "0.0").replace("175.314896667", "0.0")
+    assert [fix.valid for fix in fixes(said(GpsdCore(), zero))] == [False]
+
+
+@pytest.mark.parametrize(
+    "time", ['"2200-01-01T00:00:00.000Z"', '"2026-11-30T01:33:20"', "0.0", "1e300"]
+)
+def test_a_time_that_cannot_be_is_counted(time: str) -> None:
+    core = GpsdCore()
+    assert said(core, f'{{"class":"TPV","mode":3,"time":{time},"lat":1.5,"lon":2.5}}') == []
+    assert core.faults == {"report": 1}

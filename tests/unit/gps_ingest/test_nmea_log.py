@@ -1,5 +1,8 @@
 """Logs are read whatever their line ends, times and noise."""
 
+import codecs
+import gzip
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -7,7 +10,7 @@ import pytest
 from unit.gps_ingest.receiver import gga, rmc
 from wayline.errors import InputError
 from wayline.inputs import Sentence
-from wayline.nmea_log import has_date, read_sentences
+from wayline.nmea_log import NmeaLog, has_date, read_sentences
 
 
 def log(folder: Path, content: bytes) -> Path:
@@ -53,3 +56,45 @@ def test_a_date_is_found_without_reading_further(tmp_path: Path, text: str, date
 def test_a_missing_log_is_said_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none\.nmea: cannot be read .*; check the path"):
         list(read_sentences(tmp_path / "none.nmea"))
+
+
+SENTENCES = "1558739321.5 $GPAAA,1*00\n$GPBBB,2*00\n"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        codecs.BOM_UTF8 + SENTENCES.encode(),
+        SENTENCES.encode("utf-16"),
+        SENTENCES.encode("utf-16-be"),
+        gzip.compress(SENTENCES.encode()),
+        gzip.compress(SENTENCES.encode("utf-16")),
+        b"# caf\xe9\n" + SENTENCES.encode(),
+    ],
+)
+def test_any_usual_encoding_is_read(tmp_path: Path, content: bytes) -> None:
+    """Windows programs save UTF-16, editors put a byte order mark, loggers pack."""
+    assert list(read_sentences(log(tmp_path, content))) == [
+        Sentence(1_558_739_321_500_000_000, "$GPAAA,1*00"),
+        Sentence(None, "$GPBBB,2*00"),
+    ]
+
+
+def test_what_a_packed_log_holds_before_its_damage_is_read(tmp_path: Path) -> None:
+    """Power went before the logger could close its file."""
+    texts = [f"$GPAAA,{number}*00" for number in range(20_000)]
+    packed = gzip.compress("\n".join(texts).encode())
+    torn = NmeaLog(log(tmp_path, packed[: len(packed) // 2]))
+    told = [each.text for each in torn]
+    assert told[:-1] == texts[: len(told) - 1]
+    assert len(told) > 5_000
+    assert torn.is_broken
+
+
+def test_zeros_that_a_loss_of_power_left_fill_no_memory(tmp_path: Path) -> None:
+    content = b"$GPAAA,1*00\n" + bytes(10_000_000) + b"\n$GPBBB,2*00\n"
+    path = log(tmp_path, content)
+    tracemalloc.start()
+    assert [each.text for each in read_sentences(path)] == ["$GPAAA,1*00", "$GPBBB,2*00"]
+    assert tracemalloc.get_traced_memory()[1] < 2_000_000
+    tracemalloc.stop()

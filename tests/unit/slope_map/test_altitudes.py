@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from wayline.resolution import PRESSURE_UNIT_PA, Resolution
 from wayline.tuning import Tuning
-from wayline_slope_map.altitudes import barometer_altitudes, gps_altitudes, resolution_pa
+from wayline_slope_map.altitudes import barometer_altitudes, gps_altitudes
 from wayline_slope_map.track import Altitude, Pressure, Track
 
 SECOND_NS = 1_000_000_000
@@ -30,7 +31,10 @@ def track(seconds: int = 20) -> Track:
 def test_the_step_of_a_barometer_shows_in_its_readings(
     pressures_pa: list[float], step_pa: float
 ) -> None:
-    assert resolution_pa(pressures_pa) == pytest.approx(step_pa)
+    steps = Resolution(PRESSURE_UNIT_PA)
+    for pressure_pa in pressures_pa:
+        steps.learn(pressure_pa)
+    assert steps.std == pytest.approx(step_pa / 12**0.5)
 
 
 def test_a_barometer_in_whole_kilopascals_says_nothing_of_the_road() -> None:
@@ -44,7 +48,7 @@ def test_equal_readings_together_weigh_like_one() -> None:
     values = [98_450.0] * 9 + [98_500.0]
     made.pressures += [Pressure(t * SECOND_NS, value) for t, value in enumerate(values)]
     std_m = barometer_altitudes(made, TUNING).std_m
-    rounding_m = np.sqrt(std_m**2 - TUNING.map_barometer_std_m**2)
+    rounding_m = np.sqrt(std_m**2 - TUNING.baro_std_m**2)
     assert rounding_m[0] == pytest.approx(3.0 * rounding_m[-1], rel=1e-3)
     assert rounding_m[-1] == pytest.approx(50.0 * 0.0852 / 12**0.5, rel=0.01)
 

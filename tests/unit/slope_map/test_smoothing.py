@@ -9,7 +9,7 @@ from wayline_slope_map.altitudes import Measured
 from wayline_slope_map.smoothing import Smoothed, smooth
 
 TUNING = Tuning()
-NOTHING = Measured(*(np.empty(0),) * 4)
+NOTHING = Measured(*(np.empty(0),) * 4, np.empty(0, dtype=np.intp))
 SPEED_MPS = 15.0
 TIMES_S = np.arange(0.0, 200.0)
 ASKED_S = np.arange(10.5, 190.0, 1.5)
@@ -27,7 +27,8 @@ def crest_grade_pct(distance_m: Floats) -> Floats:
 
 
 def measured(alt_m: Floats, std_m: float, times_s: Floats = TIMES_S) -> Measured:
-    return Measured(times_s, times_s * SPEED_MPS, alt_m, np.full(len(alt_m), std_m))
+    receiver = np.zeros(len(alt_m), dtype=np.intp)
+    return Measured(times_s, times_s * SPEED_MPS, alt_m, np.full(len(alt_m), std_m), receiver)
 
 
 def asked(gps: Measured, barometer: Measured = NOTHING) -> Smoothed:
@@ -59,7 +60,8 @@ def test_a_receiver_that_wanders_together_is_not_averaged_away() -> None:
     """Two hundred fixes within three minutes are worth three or four, not two hundred."""
     smoothed = asked(measured(crest_m(TIMES_S * SPEED_MPS), 4.0))
     assert smoothed.alt_std_m[0] > 2.0
-    standing = Measured(TIMES_S, np.zeros(200), np.full(200, 50.0), np.full(200, 4.0))
+    receiver = np.zeros(200, dtype=np.intp)
+    standing = Measured(TIMES_S, np.zeros(200), np.full(200, 50.0), np.full(200, 4.0), receiver)
     at_rest = smooth(standing, NOTHING, np.array([100.0]), np.array([0.0]), TUNING)
     assert at_rest is not None
     assert at_rest.alt_std_m[0] > 1.5

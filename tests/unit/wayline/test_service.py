@@ -405,7 +405,7 @@ HOUR_S = 3600.0
 
 
 def test_a_message_is_as_old_as_it_says_but_for_a_recording_that_is_played(run: Run) -> None:
-    """Health says which; until it has been heard nothing is called old for three seconds."""
+    """Health says which; until it has been heard nothing is called old for five seconds."""
     view = Told(queue.SimpleQueue())
     running = run(Service("page", views=[view]), ALL)
     running.await_start()

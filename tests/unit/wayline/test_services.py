@@ -101,7 +101,7 @@ def test_what_a_row_says_of_its_package_is_there(row: ServiceRow) -> None:
 
 def test_the_project_names_the_services_of_the_table() -> None:
     scripts = {row.command: f"{row.package}.__main__:main" for row in ROWS}
-    assert PROJECT["project"]["scripts"] == {"wayline": "wayline_cli.__main__:main"} | scripts
+    assert PROJECT["project"]["scripts"] == {"wayline": "wayline_cli.launch:main"} | scripts
     build = PROJECT["tool"]["hatch"]["build"]
     packages = [each for each in build["targets"]["wheel"]["packages"] if "services/" in each]
     assert sorted(packages) == sorted(f"services/{row.name}/{row.package}" for row in ROWS)

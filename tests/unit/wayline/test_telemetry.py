@@ -4,7 +4,7 @@ from prometheus_client import generate_latest
 
 from builders import about, at
 from wayline.messages import Health
-from wayline.telemetry import Telemetry
+from wayline.telemetry import Telemetry, joined
 
 
 def health(telemetry: Telemetry, seconds: float) -> Health:
@@ -70,3 +70,17 @@ def test_prometheus_reads_the_same_counts() -> None:
     assert "wayline_dropped 3.0" in lines
     assert 'wayline_lag_seconds_bucket{le="0.002"} 0.0' in lines
     assert 'wayline_lag_seconds_bucket{le="0.005"} 1.0' in lines
+
+
+def test_details_that_are_too_long_together_are_cut_where_they_are_longest() -> None:
+    assert joined([]) == ""
+    assert joined(["a", "b"]) == "a; b"
+    whole = ["x" * 127, "y" * 127]
+    assert joined(whole) == "; ".join(whole)
+    short = "tcp://127.0.0.1:4001: well"
+    long = [f"serial:///dev/ttyUSB{port}: silent for {'very ' * 40}long" for port in range(3)]
+    first, *others = joined([short, *long]).split("; ")
+    assert first == short
+    assert {len(each) for each in others} == {(256 - 3 * 2 - len(short)) // 3}
+    assert all(each.endswith("…") for each in others)
+    assert len(joined(["z" * 9] * 200)) == 256

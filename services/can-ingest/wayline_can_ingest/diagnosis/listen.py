@@ -16,6 +16,7 @@ from wayline_can_ingest.bus_reader import NOT_TRIED
 from wayline_can_ingest.diagnosis.opening import not_opened
 from wayline_can_ingest.frames import ERROR
 from wayline_can_ingest.interfaces import Interface
+from wayline_can_ingest.nothing import no_frames
 from wayline_can_ingest.obd2_poll import Obd2Poll
 from wayline_can_ingest.wanted import Everything
 
@@ -82,12 +83,16 @@ def _mend(source: LiveCan, faults: Mapping[str, int]) -> str:
 
 
 def heard_in(paths: Sequence[Path]) -> Heard:
-    """The first frames of a recording. Raises InputError."""
+    """The first frames of a recording. Raises InputError where there are none."""
     log = CanLog(paths)
     frames = tuple(itertools.islice(log, MOST_FRAMES))
-    notes = []
+    if not frames:
+        raise no_frames(log)
+    notes = [str(problem) for problem in log.problems]
     if len(frames) == MOST_FRAMES:
         notes.append(f"its first {MOST_FRAMES:,} frames")
     if log.bad_input:
         notes.append(f"{log.bad_input} damaged lines or endings left out")
-    return Heard(frames, ", ".join(notes), "" if frames else "record while the bus is awake")
+    if log.left_out:
+        notes.append(f"{', '.join(log.leaves_out)} left out")
+    return Heard(frames, ", ".join(notes))

@@ -1,0 +1,1 @@
+"""What each kind of measurement may do to the state, a file an aid."""

@@ -1,0 +1,62 @@
+"""Pure: what `[tuning] architecture` may name, and what belongs to it."""
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from wayline.tuning import Tuning
+from wayline_fusion.aids.altitude import Altitude
+from wayline_fusion.aids.pressure import AirPressure
+from wayline_fusion.architectures.architecture import Architecture
+from wayline_fusion.architectures.gps_only import GpsOnly, by_quality, same_for_all
+from wayline_fusion.architectures.loose import Loose
+from wayline_fusion.architectures.uncoupled import Uncoupled
+from wayline_fusion.filter.vertical import VerticalAid, VerticalEstimate
+from wayline_fusion.intake.events import Event, GpsAltitude, Pressure
+from wayline_fusion.keeping.keeper import EstimateKeeper, Keeper, NoKeeper
+from wayline_fusion.keeping.records import Saved
+
+
+class Chosen(NamedTuple):
+    """An architecture, the altitude along its way, and what keeps both over a restart."""
+
+    architecture: Architecture
+    vertical: VerticalEstimate
+    keeper: Keeper
+
+
+Build = Callable[[Tuning, Saved | None], Chosen]
+"""Makes an architecture that begins with what was kept of the vehicle."""
+
+
+def _loose(tuning: Tuning, saved: Saved | None) -> Chosen:
+    loose = Loose(tuning)
+    vertical = _vertical(tuning, loose)
+    return Chosen(loose, vertical, EstimateKeeper(loose, vertical, saved, tuning))
+
+
+def _forgetful(make: Callable[[Tuning], Architecture]) -> Build:
+    """For an architecture that learns nothing."""
+
+    def build(tuning: Tuning, _: Saved | None) -> Chosen:
+        architecture = make(tuning)
+        return Chosen(architecture, _vertical(tuning, architecture), NoKeeper())
+
+    return build
+
+
+def _vertical(tuning: Tuning, architecture: Architecture) -> VerticalEstimate:
+    aids: Mapping[type[Event], VerticalAid] = {GpsAltitude: Altitude(), Pressure: AirPressure()}
+    return VerticalEstimate(tuning, architecture, aids)
+
+
+ARCHITECTURES: Mapping[str, Build] = {
+    "loose": _loose,
+    "uncoupled": _forgetful(Uncoupled),
+    "gps_only": _forgetful(lambda tuning: GpsOnly(tuning, same_for_all)),
+    "gps_only_modified": _forgetful(lambda tuning: GpsOnly(tuning, by_quality)),
+}
+
+
+def chosen(tuning: Tuning, saved: Saved | None) -> Chosen:
+    """The architecture that the tuning names, beginning with what was kept of the vehicle."""
+    return ARCHITECTURES[tuning.architecture](tuning, saved)

@@ -1,0 +1,1 @@
+"""What is learned of the sensors from how they agree."""

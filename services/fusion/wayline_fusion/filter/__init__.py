@@ -1,0 +1,1 @@
+"""The algebra: states, models, what each sensor measures of them, one gate for all."""

@@ -1,0 +1,138 @@
+"""Pure: what happens to the vehicle, one event for each thing that is to be taken in.
+
+A fix is told part by part, so that each kind of measurement goes its own way: first the fix as a
+whole, which brings the state to its instant, then its speed, course, position and altitude.
+"""
+
+import msgspec
+
+
+class Elapsed(msgspec.Struct, frozen=True, gc=False):
+    """Time has passed; keeps prediction steps short."""
+
+    t_ns: int
+
+
+class WheelSpeed(msgspec.Struct, frozen=True, gc=False):
+    """Wheel speed as measured, negative in reverse, with the std of its rounding and noise."""
+
+    t_ns: int
+    speed_mps: float
+    std_mps: float
+
+
+class Fix(msgspec.Struct, frozen=True, gc=False):
+    """A valid fix as a whole; stds are one sigma of its total error, position per axis."""
+
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
+    position_std_m: float
+    speed_mps: float | None
+    speed_std_mps: float
+    course_rad: float | None
+    course_std_rad: float | None
+    """None: from the speed's std."""
+    is_good: bool = True
+    """By satellites and PDOP (papers/003)."""
+    speed_derived: bool = False
+    """From positions, not by Doppler."""
+
+
+class GpsSpeed(msgspec.Struct, frozen=True, gc=False):
+    """Speed over ground of a fix, which has no sign."""
+
+    t_ns: int
+    speed_mps: float
+    std_mps: float
+
+
+class GpsCourse(msgspec.Struct, frozen=True, gc=False):
+    """Course over ground of a fix, with the speed that it was measured at."""
+
+    t_ns: int
+    course_rad: float
+    std_rad: float | None
+    """None: from the speed's std."""
+    speed_mps: float
+    speed_std_mps: float
+
+
+class GyroCheck(msgspec.Struct, frozen=True, gc=False):
+    """A course has been taken in, and can be held against the turn that the gyro has measured."""
+
+    t_ns: int
+
+
+class GpsPosition(msgspec.Struct, frozen=True, gc=False):
+    """Position of a fix; the std is one sigma of its total error per axis."""
+
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
+    std_m: float
+
+
+class GpsAltitude(msgspec.Struct, frozen=True, gc=False):
+    """Altitude above mean sea level of a fix, with one sigma of its total error."""
+
+    t_ns: int
+    alt_m: float
+    std_m: float
+    source: str
+    """The receiver: each has its own error."""
+
+
+class Pressure(msgspec.Struct, frozen=True, gc=False):
+    """Altitude at which the standard atmosphere has the measured pressure."""
+
+    t_ns: int
+    alt_m: float
+    std_m: float
+    """Of rounding and noise; the weather is the barometer's bias."""
+
+
+class GyroRestarted(msgspec.Struct, frozen=True, gc=False):
+    """The gyro, whose calibration was kept, is now so much warmer (or colder) than it was then."""
+
+    t_ns: int
+    warmer_c: float
+
+
+class ClockStep(msgspec.Struct, frozen=True, gc=False):
+    """All sensors' time has jumped: the vehicle drove for so much less or more than it says."""
+
+    t_ns: int
+    step_s: float
+
+
+Event = (
+    Elapsed
+    | WheelSpeed
+    | Fix
+    | GpsSpeed
+    | GpsCourse
+    | GyroCheck
+    | GpsPosition
+    | GpsAltitude
+    | Pressure
+    | GyroRestarted
+    | ClockStep
+)
+
+
+def parts_of(fix: Fix) -> tuple[Event, ...]:
+    """A fix and its parts in the order in which they are used.
+
+    Speed and course come first: walls that displace a position by metres leave Doppler alone.
+    """
+    position = GpsPosition(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.position_std_m)
+    if fix.speed_mps is None:
+        return fix, position
+    speed = GpsSpeed(fix.t_ns, fix.speed_mps, fix.speed_std_mps)
+    if fix.course_rad is None:
+        return fix, speed, position
+    course = GpsCourse(
+        fix.t_ns, fix.course_rad, fix.course_std_rad, fix.speed_mps, fix.speed_std_mps
+    )
+    return fix, speed, course, GyroCheck(fix.t_ns), position

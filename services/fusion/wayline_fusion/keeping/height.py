@@ -1,0 +1,69 @@
+"""Pure: from the altitude that is believed to what is kept of it, and what is still good later."""
+
+import math
+
+import msgspec
+import numpy as np
+
+from wayline.tuning import Tuning
+from wayline.vertical.model import VerticalModel, VerticalStates
+from wayline_fusion.filter.vertical import Snapshot
+from wayline_fusion.keeping.records import LastHeight, Saved
+
+S = VerticalStates
+STOOD_MPS = 0.5
+"""Slower is standing."""
+USEFUL_STD_M = 100.0
+"""An altitude known worse is none to go on from."""
+
+
+def kept_height(snapshot: Snapshot) -> LastHeight | None:
+    """What is worth keeping of a state; None of one that knows no altitude, or lost its numbers."""
+    x, covariance = snapshot.x[: S.GPS_ERROR], snapshot.P[: S.GPS_ERROR, : S.GPS_ERROR]
+    if not snapshot.known or not math.isfinite(float(x.sum()) + float(covariance.sum())):
+        return None
+    alt_std_m, slope_std, bias_std_m = np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()
+    shared_m2 = float(covariance[S.ALTITUDE, S.BARO_BIAS])
+    return LastHeight(
+        alt_m=x.item(S.ALTITUDE),
+        alt_std_m=alt_std_m,
+        grade_pct=100.0 * x.item(S.SLOPE),
+        grade_std_pct=100.0 * slope_std,
+        baro_bias_m=x.item(S.BARO_BIAS),
+        baro_bias_std_m=bias_std_m,
+        alt_bias_correlation=shared_m2 / (alt_std_m * bias_std_m),
+    )
+
+
+def resumed_height(
+    saved: Saved, height: LastHeight, fresh: Snapshot, t_ns: int, tuning: Tuning
+) -> Snapshot:
+    """The state to start with at an instant, from a height that was kept with a pose.
+
+    The vehicle stood, and may have been moved a little, or goes on as it drove: the model itself
+    says what that does to altitude and slope, and the weather to the barometer's bias.
+    """
+    off_s = max(t_ns - saved.t_ns, 0) * 1e-9
+    speed_mps = 0.0 if saved.pose is None else saved.pose.speed_mps
+    x, covariance = _state(height, fresh)
+    model = VerticalModel(tuning, len(x) - S.GPS_ERROR)
+    if abs(speed_mps) < STOOD_MPS:
+        moved = model.transition(0.0, off_s)
+        moved_m = tuning.parked_position_std_m * tuning.slope_initial_std_pct / 100.0
+        moved.Q[S.ALTITUDE, S.ALTITUDE] += moved_m**2
+    else:
+        moved = model.transition(speed_mps * off_s, off_s)
+    x, covariance = moved.F @ x, moved.F @ covariance @ moved.F.T + moved.Q
+    if covariance[S.ALTITUDE, S.ALTITUDE] > USEFUL_STD_M**2:
+        return fresh
+    return msgspec.structs.replace(fresh, t_ns=t_ns, known=True, x=x, P=covariance)
+
+
+def _state(height: LastHeight, fresh: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+    x, covariance = fresh.x.copy(), fresh.P.copy()
+    x[: S.GPS_ERROR] = height.alt_m, height.grade_pct / 100.0, height.baro_bias_m
+    stds = height.alt_std_m, height.grade_std_pct / 100.0, height.baro_bias_std_m
+    covariance[: S.GPS_ERROR, : S.GPS_ERROR] = np.diag(np.square(stds))
+    shared_m2 = height.alt_bias_correlation * height.alt_std_m * height.baro_bias_std_m
+    covariance[S.ALTITUDE, S.BARO_BIAS] = covariance[S.BARO_BIAS, S.ALTITUDE] = shared_m2
+    return x, covariance

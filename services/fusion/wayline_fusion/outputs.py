@@ -1,0 +1,95 @@
+"""Pure: poses and statuses, from what is believed of the vehicle."""
+
+import msgspec
+
+from wayline.messages import Calibration, FusionStatus, Pose, PoseMode
+from wayline.tuning import Tuning
+from wayline_fusion.architectures.architecture import Architecture, Motion, SensorErrors
+from wayline_fusion.filter.vertical import VerticalEstimate
+from wayline_fusion.intake.told import Told
+
+OUTAGE_NS = 2_000_000_000
+"""Without an accepted fix this long, the pose is dead reckoning (SPEC section 2)."""
+LOST_STD_M = 100.0
+
+
+class Outputs:
+    """Words what the estimates know as messages."""
+
+    def __init__(
+        self, estimator: Architecture, vertical: VerticalEstimate, told: Told, tuning: Tuning
+    ) -> None:
+        self._estimator, self._vertical = estimator, vertical
+        self._told, self._tuning = told, tuning
+        self._distance_m = 0.0
+
+    def pose(self, t_ns: int, fix_delay_ns: int, *, has_can: bool) -> Pose:
+        """Of the state as it is, for an instant; fixes come so much later than they describe."""
+        progress = self._estimator.progress
+        motion, height = self._estimator.motion(), self._vertical.height_at(progress)
+        self._distance_m = max(self._distance_m, progress.distance_m)
+        place, is_directed = motion.place_deg, motion.heading_deg is not None
+        return Pose(
+            t_ns=t_ns,
+            mode=_mode(motion, motion.t_ns - fix_delay_ns, has_can=has_can),
+            lat_deg=place[0] if place else None,
+            lon_deg=place[1] if place else None,
+            alt_m=height.alt_m if height else None,
+            heading_deg=motion.heading_deg,
+            speed_mps=motion.speed_mps,
+            yaw_rate_degps=motion.yaw_rate_degps,
+            grade_pct=height.grade_pct if height else None,
+            distance_m=self._distance_m,
+            east_std_m=motion.east_std_m if place else None,
+            north_std_m=motion.north_std_m if place else None,
+            east_north_cov_m2=motion.east_north_cov_m2 if place else None,
+            heading_std_deg=motion.heading_std_deg if is_directed else None,
+            speed_std_mps=None if motion.speed_mps is None else motion.speed_std_mps,
+            alt_std_m=height.alt_std_m if height else None,
+            grade_std_pct=height.grade_std_pct if height else None,
+        )
+
+    def status(self, t_ns: int) -> FusionStatus:
+        """What is known of the sensors, and the verdicts since the last one."""
+        errors, motion = self._estimator.sensor_errors(), self._estimator.motion()
+        accepted_ns = motion.accepted_fix_ns
+        bias_m, bias_std_m = self._vertical.baro_bias()
+        return FusionStatus(
+            t_ns=t_ns,
+            **msgspec.structs.asdict(errors),
+            baro_bias_m=bias_m,
+            baro_bias_std_m=bias_std_m,
+            calibration=_calibration(errors, self._tuning, is_located=_is_located(motion)),
+            outage_s=0.0 if accepted_ns is None else max(t_ns - accepted_ns, 0) * 1e-9,
+            late=self._told.late,
+            rejected=self._told.rejected,
+            verdicts=self._told.take(),
+        )
+
+
+def _mode(motion: Motion, due_ns: int, *, has_can: bool) -> PoseMode:
+    """A fix that is on its way is not missing: the next one was due at `due_ns`."""
+    if not _is_located(motion) or motion.accepted_fix_ns is None:
+        return "starting"
+    if max(motion.east_std_m, motion.north_std_m) > LOST_STD_M:
+        return "lost"
+    if motion.is_unconfirmed or due_ns - motion.accepted_fix_ns > OUTAGE_NS:
+        return "dead_reckoning"
+    return "fused" if has_can else "gps"
+
+
+def _calibration(errors: SensorErrors, tuning: Tuning, *, is_located: bool) -> Calibration:
+    bias_std_degps, scale_std = errors.gyro_bias_std_degps, errors.odometer_scale_std
+    if (
+        bias_std_degps is not None
+        and scale_std is not None
+        and bias_std_degps <= tuning.calibrated_bias_std_degps
+        and scale_std <= tuning.calibrated_scale_std
+    ):
+        return "calibrated"
+    return "started" if is_located else "none"
+
+
+def _is_located(motion: Motion) -> bool:
+    """Whether position and heading are known."""
+    return motion.place_deg is not None and motion.heading_deg is not None
