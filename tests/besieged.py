@@ -1,5 +1,6 @@
 """A system of real processes under attack, with an honest vehicle that all must go on for."""
 
+import contextlib
 import json
 import threading
 import time
@@ -37,22 +38,24 @@ class Besieged:
         self.services = services
 
     def __enter__(self) -> "Besieged":
-        self.system.start_router()
-        for service in self.services:
-            self.system.start(service)
-        self._session = open_session(self.system.bus)
-        self._publishers = Publishers(self._session)
-        self.listener = Listener(self._session, VEHICLE, HEARD)
-        self.fleet = Listener(self._session, "_fleet", ("health",))
-        self.listener.await_alive(*self.services, timeout_s=WAIT_S)
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(self.system)
+            self.system.start_router()
+            for service in self.services:
+                self.system.start(service)
+            session = stack.enter_context(open_session(self.system.bus))
+            self._publishers = Publishers(session)
+            stack.callback(self._publishers.close)
+            self.listener = Listener(session, VEHICLE, HEARD)
+            stack.callback(self.listener.close)
+            self.fleet = Listener(session, "_fleet", ("health",))
+            stack.callback(self.fleet.close)
+            self.listener.await_alive(*self.services, timeout_s=WAIT_S)
+            self._stack = stack.pop_all()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._publishers.close()
-        self.listener.close()
-        self.fleet.close()
-        self._session.close()  # type: ignore[no-untyped-call]
-        self.system.close()
+        self._stack.close()
 
     def restart(self, service: str) -> None:
         """Kill a service and start it anew; returns when it is alive."""

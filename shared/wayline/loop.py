@@ -203,12 +203,12 @@ class Loop:
         if key is None or message is None or not self._attendance.admits(key, now_s):
             self._telemetry.bad()
             return
-        if key.vehicle_id != FLEET:
-            self._attendance.hear(key.vehicle_id, now_s)
         self._telemetry.heard(key.topic, time.monotonic_ns() - sample.heard_ns)
         if isinstance(message, Health):
             self._receipts.hear(key.vehicle_id, message, key.source)
         if type(message) in self._service.reads:
+            if key.vehicle_id != FLEET:
+                self._attendance.hear(key.vehicle_id, now_s)
             receipt = self._receipts.note(key.vehicle_id, message, sample)
             if receipt is None:
                 self._telemetry.bad()

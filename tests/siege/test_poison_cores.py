@@ -8,12 +8,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from besieged import street_pose
 from lasting import examples
 from poison import NOW_NS, messages
 from street import street_fix, write_route
 from wayline.codec import encode
 from wayline.database import open_database
-from wayline.messages import MESSAGES, Message, Pose
+from wayline.messages import MESSAGES, Message
 from wayline.node import Node
 from wayline.route import Route
 from wayline.route_file import load_route
@@ -58,17 +59,7 @@ def driven(instead: list[tuple[int, Message, bool]]) -> list[Message]:
     said: list[Message] = []
     for second in range(90):
         fix = street_fix(NOW_NS, second)
-        pose = Pose(
-            t_ns=fix.t_ns,
-            mode="gps",
-            lat_deg=fix.lat_deg,
-            lon_deg=fix.lon_deg,
-            heading_deg=0.0,
-            speed_mps=10.0,
-            distance_m=10.0 * second,
-            east_std_m=2.0,
-            north_std_m=2.0,
-        )
+        pose = street_pose(fix.t_ns, 10.0 * second)
         said += [fix, pose]
         for at, message, on_time in instead:
             if at == second:
