@@ -1,10 +1,12 @@
 """What every test can ask for."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+
+from postgres import Cluster, programs
 
 
 @pytest.fixture
@@ -21,3 +23,29 @@ def recorded() -> Callable[[str], Path]:
         return path
 
     return find
+
+
+@pytest.fixture(scope="session")
+def postgres() -> Iterator[Cluster]:
+    """A PostgreSQL of the tests' own, or skip with the reason."""
+    found = programs()
+    if found is None:
+        pytest.skip("PostgreSQL: not installed (Debian: apt-get install postgresql)")
+    cluster = Cluster(found)
+    yield cluster
+    cluster.close()
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def new_url(request: pytest.FixtureRequest, tmp_path: Path) -> Callable[[], str]:
+    """Makes addresses of new, empty databases: what a store does it does on either kind."""
+    if request.param == "sqlite":
+        return lambda: f"sqlite:///{tmp_path / f'{len(list(tmp_path.iterdir()))}.db'}"
+    cluster: Cluster = request.getfixturevalue("postgres")
+    return cluster.new_url
+
+
+@pytest.fixture
+def database_url(new_url: Callable[[], str]) -> str:
+    """The address of a new, empty database."""
+    return new_url()

@@ -50,16 +50,19 @@ def rejected(
     t_ns: int,
     off: Off = (),
     are_alike: Callable[[Off, Off], bool] = always,
+    forgotten_after_ns: int = FORGOTTEN_AFTER_NS,
 ) -> Agreement:
     """With one more rejected measurement; `are_alike` compares it with the one before."""
-    if before is None or t_ns - before.last_ns > FORGOTTEN_AFTER_NS:
+    if before is None or t_ns - before.last_ns > forgotten_after_ns:
         return Agreement(t_ns, t_ns, t_ns, off)
     since_ns = before.since_ns if are_alike(before.off, off) else t_ns
     return Agreement(before.first_ns, since_ns, t_ns, off)
 
 
-def lasted_s(agreement: Agreement | None, t_ns: int) -> float:
+def lasted_s(
+    agreement: Agreement | None, t_ns: int, forgotten_after_ns: int = FORGOTTEN_AFTER_NS
+) -> float:
     """How long every measurement has been rejected when another one comes; else 0."""
-    if agreement is None or t_ns - agreement.last_ns > FORGOTTEN_AFTER_NS:
+    if agreement is None or t_ns - agreement.last_ns > forgotten_after_ns:
         return 0.0
     return (t_ns - agreement.first_ns) * 1e-9

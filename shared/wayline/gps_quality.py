@@ -1,7 +1,11 @@
 """Pure: how far a fix can be trusted before any filter has seen it (papers/003)."""
 
-from wayline.messages import GpsFix
+from wayline.messages import FixKind, GpsFix
 from wayline.tuning import Tuning
+
+KIND_SHARE: dict[FixKind, float] = {"dgps": 0.5, "rtk_float": 0.15, "rtk_fixed": 0.02}
+"""Of the range error of an uncorrected fix: what corrections leave of it. 3 m become 1.5 m with
+satellite-based ones, half a metre with a floating carrier solution, 6 cm with a fixed one."""
 
 
 def is_good(fix: GpsFix, tuning: Tuning) -> bool:
@@ -16,12 +20,14 @@ def is_good(fix: GpsFix, tuning: Tuning) -> bool:
 
 def horizontal_std_m(fix: GpsFix, tuning: Tuning) -> float:
     """One sigma per axis of a fix's position: its own where reported, else from HDOP, floored."""
+    share = KIND_SHARE.get(fix.fix, 1.0)
+    floor_m = share * tuning.gps_position_std_floor_m
     if fix.h_std_m is not None:
-        std_m = max(fix.h_std_m, tuning.gps_position_std_floor_m)
+        std_m = max(fix.h_std_m, floor_m)
     elif fix.hdop is not None and fix.hdop > 0.0:
-        std_m = max(fix.hdop * tuning.gps_range_std_m, tuning.gps_position_std_floor_m)
+        std_m = max(fix.hdop * share * tuning.gps_range_std_m, floor_m)
     else:
-        std_m = tuning.gps_position_std_m
+        std_m = share * tuning.gps_position_std_m
     return std_m if is_good(fix, tuning) else std_m * tuning.bad_gps_factor
 
 

@@ -95,6 +95,8 @@ class Loop:
                 if item is not None:
                     self._take(item, now_s)
                 self._let_time_pass(now_s)
+                if self._service.store is not None:
+                    self._service.store.hand_over()
                 if now_s >= next_health_s:
                     next_health_s = now_s + HEALTH_S
                     self._forget_the_silent(now_s)
@@ -119,6 +121,9 @@ class Loop:
     def _open(self, stack: contextlib.ExitStack) -> None:
         service, settings = self._service, self._settings
         served = settings.served()
+        if service.store is not None:
+            service.store.start(self._ended.set)
+            stack.callback(service.store.close)
         for query, answer in service.answers.items():
             queryable = self._session.declare_queryable(query, replier(answer))
             stack.callback(queryable.undeclare)
@@ -294,13 +299,16 @@ class Loop:
         for feed in service.feeds:
             if (problem := feed.problem) is not None:
                 yield Lack(feed.name, problem)
+        if service.store is not None and (problem := service.store.problem) is not None:
+            yield Lack("database", problem)
         if service.inputs and self._hearing.is_silent(now_s):
             topics = ", ".join(sorted(kind.topic for kind in service.inputs))
             yield Lack("input", f"nothing is heard of {topics}")
 
     def _tell_health(self, now_s: float) -> None:
         service, inbox, now_ns = self._service, self._inbox, told_ns()
-        details = joined([feed.detail for feed in service.feeds if feed.detail])
+        reporting = (*service.feeds, service.store)
+        details = joined([each.detail for each in reporting if each and each.detail])
         health = self._health = self._telemetry.health(
             now_ns,
             now_s,

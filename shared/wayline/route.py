@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from wayline.errors import InputError
 from wayline.line import Line
+from wayline.messages import LIST_MAX, TEXT_MAX
 from wayline.stops import Stop, StopPlace, place_stops
 
 Floats = NDArray[np.float64]
@@ -116,12 +117,29 @@ def make_route(
     kept = np.concatenate(([True], moves))
     line = Line(lats_deg[kept], lons_deg[kept])
     _check_legs(where, line)
+    _check_texts(where, route_id, stops)
     if loop:
         _check_closed(where, line)
     placed = place_stops(where, line, stops, loop=loop)
     return Route(
         route_id=route_id, name=name, loop=loop, line=line, speeds_mps=speeds[moves], stops=placed
     )
+
+
+def _check_texts(where: str, route_id: str, stops: Sequence[StopPlace]) -> None:
+    """Of what messages carry; readers would drop them all for one text or list beyond its bound."""
+    texts = {
+        "route_id": [route_id],
+        "stop_id": [stop.stop_id for stop in stops],
+        "stop's name": [stop.name for stop in stops],
+    }
+    for what, found in texts.items():
+        longest = max(found, key=len, default="")
+        if len(longest) > TEXT_MAX:
+            said = f"the {what} {longest[:20]!r}... has {len(longest)} characters"
+            raise InputError(where, said, f"use at most {TEXT_MAX}")
+    if len(stops) > LIST_MAX:
+        raise InputError(where, f"has {len(stops):,} stops", f"use at most {LIST_MAX:,} a route")
 
 
 def _leg_speeds(where: str, legs: int, speeds_mps: Sequence[float] | None) -> Floats:

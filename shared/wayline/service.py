@@ -40,6 +40,32 @@ class Feed(Protocol):
         ...
 
 
+class Storage(Protocol):
+    """Keeps what the cores want kept, in a thread of its own (`wayline.patient_store`)."""
+
+    def start(self, failed: Callable[[], None]) -> None:
+        """Begin; `failed` is called, in that thread, when it ends."""
+        ...
+
+    def hand_over(self) -> None:
+        """Tell, in the caller's thread, what has been learned from the database."""
+        ...
+
+    def close(self) -> None:
+        """Keep what waits, as far as that is quick. Raises what ended the thread, if it did."""
+        ...
+
+    @property
+    def problem(self) -> str | None:
+        """Why nothing is kept now; None where all is well."""
+        ...
+
+    @property
+    def detail(self) -> str | None:
+        """What `health` should say of it: the problem, or what it has cost."""
+        ...
+
+
 def no_core(vehicle_id: str, source: str) -> Node:
     """For a service without cores: it shows, or its feeds give ready messages."""
     raise AssertionError(f"there is no core for input of {vehicle_id} from {source}")
@@ -63,6 +89,7 @@ class Service:
     answers: Mapping[str, Answer] = field(default_factory=dict)
     """By the key of the queryable."""
     feeds: Sequence[Feed] = ()
+    store: Storage | None = None
     bad_input: Callable[[], int] = lambda: 0
     """What the cores and feeds have counted and dropped."""
     is_recorded: bool = False

@@ -71,6 +71,10 @@ class Settings(Strict, frozen=True, kw_only=True):
     """`wayline up` also runs a router on the first endpoint of `bus.connect`."""
     database_url: str | None = None
     """SQLite file or PostgreSQL, e.g. sqlite:////var/lib/wayline/wayline.db"""
+    database_retry_s: Annotated[float, Meta(gt=0.0)] = 5.0
+    """The longest pause between two tries of a database that is away."""
+    database_refresh_s: Annotated[float, Meta(gt=0.0)] = 10.0
+    """How often is looked for what other processes have written."""
     routes: tuple[str, ...] = ()
     """GeoJSON files of the routes, relative to this file."""
     bus: BusSettings = msgspec.field(default_factory=BusSettings)

@@ -12,13 +12,20 @@ from wayline.messages import TEXT_MAX, Health, Missing
 
 LAGS_KEPT = 2_000
 SEPARATOR = "; "
+NAME_MAX = 24
 LAG_BUCKETS_S = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 FAULTS_KEPT = 10
 """Told once a second: faults are those of the last ten seconds, for nobody sees a single one."""
 
 
 def joined(details: Sequence[str]) -> str:
-    """Details as one text of a message; where that is too long, the longest are cut alike."""
+    """Details as one text of a message.
+
+    Where that is too long, of a long name before `: ` its end is left, then the longest are cut
+    alike.
+    """
+    if len(SEPARATOR.join(details)) > TEXT_MAX:
+        details = [_shortly_named(each) for each in details]
     room = TEXT_MAX - len(SEPARATOR) * max(len(details) - 1, 0)
     most = room
     for place, length in enumerate(sorted(map(len, details))):
@@ -27,6 +34,12 @@ def joined(details: Sequence[str]) -> str:
             break
         room -= length
     return SEPARATOR.join(_cut(each, max(most, 1)) for each in details)[:TEXT_MAX]
+
+
+def _shortly_named(detail: str) -> str:
+    name, colon, said = detail.partition(": ")
+    short = name if len(name) <= NAME_MAX else "…" + name[1 - NAME_MAX :]
+    return f"{short}{colon}{said}" if colon else detail
 
 
 def _cut(text: str, most: int) -> str:

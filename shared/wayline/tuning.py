@@ -47,6 +47,9 @@ class Tuning(Strict, frozen=True, kw_only=True):
     relock_at_once_s: Positive = 5.0
     """Positions that are rejected and agree with each other are believed after this at the
     earliest."""
+    relock_without_gyro_s: Positive = 8.0
+    """Positions that are rejected and agree with each other are believed after this where no gyro
+    tells of turns: what was reckoned goes straight on."""
     relock_after_outage_s: Positive = 25.0
     """Positions that are rejected and agree with each other are believed after this at the latest
     where an outage (`relock_outage_s`) came before: dead reckoning is the one to doubt."""

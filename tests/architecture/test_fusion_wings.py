@@ -19,7 +19,7 @@ from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
 from wayline_fusion.filter.horizontal import HorizontalFilter
 from wayline_fusion.intake import events
-from wayline_fusion.intake.events import ClockStep, Elapsed, Event, GyroRestarted
+from wayline_fusion.intake.events import ClockStep, Elapsed, Event, GyroRestarted, GyroWarmed
 
 ROOT = Path(__file__).parents[2]
 FUSION = ROOT / "services/fusion/wayline_fusion"
@@ -136,7 +136,7 @@ def give(core: FusionCore, messages: Iterable[Message]) -> Sequence[object]:
 
 
 def watched_drive() -> Files:
-    """A minute without being watched, then driving, standing, fixes, pressures and two rarities."""
+    """A minute without being watched, driving, standing, fixes, pressures and three rarities."""
     files, core = Files(), FusionCore(Tuning())
     messages: list[Message] = []
     for message in messages_of(town, truth_of(town, 130.0), Sensors(0.3, gps_noise_m=0.5)):
@@ -151,6 +151,7 @@ def watched_drive() -> Files:
     give(core, messages[split:])
     core._add(GyroRestarted(at(131), 5.0))
     core._add(ClockStep(at(132), 1.0))
+    core._add(GyroWarmed(at(133), 1.0))
     return files
 
 

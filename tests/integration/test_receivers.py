@@ -101,9 +101,10 @@ class Bench:
         return found
 
     def detail(self, health: Health, source: str) -> str:
-        """What a health says of one receiver."""
-        details = (health.detail or "").split("; ")
-        return next((each for each in details if each.startswith(self.urls[source] + ":")), "")
+        """What a health says of one receiver; of a long name it has the end."""
+        details = (each.partition(": ") for each in (health.detail or "").split("; "))
+        said = {name.removeprefix("…"): text for name, _, text in details}
+        return next((text for name, text in said.items() if self.urls[source].endswith(name)), "")
 
     def await_back(self, source: str, fault: Callable[[], None]) -> None:
         """After a fault that has ended when its call returns, fixes come within BACK_S."""

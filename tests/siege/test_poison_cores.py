@@ -23,11 +23,9 @@ from wayline.view import Receipt
 from wayline_dashboard.live_view import LiveView
 from wayline_eta.board import EtaBoard
 from wayline_eta.core import make_eta_core
-from wayline_slope_map.book import SlopeBook
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.store import SlopeStore
-from wayline_slope_map.teaching import Teaching
 
 VEHICLE = "bus-7"
 SOME = st.lists(
@@ -106,7 +104,6 @@ def test_the_map_goes_on_learning_whatever_one_vehicle_says(
     roads = KnownRoads([])
     roads.follow(route.line, route.route_id, loop=False, bin_m=20.0)
     store = SlopeStore(open_database("sqlite://", "wayline_slope_map"))
-    book = SlopeBook([])
-    node = Node("slope-map", SlopeMapCore(roads, Tuning(), VEHICLE), Teaching(store, book.learn))
+    node = Node("slope-map", SlopeMapCore(roads, Tuning(), VEHICLE), store)
     for message in published(node, driven(instead)):
         encode(message)

@@ -7,9 +7,9 @@ import sqlalchemy as sa
 from alembic.config import Config
 from alembic.script import ScriptDirectory
 
+from wayline.database_address import is_sqlite, parsed_address, shown
 from wayline.errors import InputError
 
-ADDRESS_MEND = "use sqlite:///FILE or postgresql://user@host/name"
 CONNECT_TIMEOUT_S = 3
 
 
@@ -18,42 +18,27 @@ def database_finding(url: str, service: str, package: str) -> str:
 
     Raises InputError where it could not use it.
     """
-    address = _parsed(url)
-    shown = address.render_as_string(hide_password=True)
+    address = parsed_address(url)
+    place = shown(address)
     path = Path(address.database or "")
-    if _is_sqlite(address):
+    if is_sqlite(address):
         if not path.parent.is_dir():
-            raise InputError(shown, f"no folder {path.parent}", "create it or correct the address")
+            raise InputError(place, f"no folder {path.parent}", "create it or correct the address")
         if not path.exists():
             return f"{path} is made when {service} starts"
     try:
         revision = _revision(_read_only(address), f"alembic_version_{service.replace('-', '_')}")
     except sa.exc.DBAPIError as error:
         mend = "check the address and its rights"
-        raise InputError(shown, f"cannot be opened ({error.orig})", mend) from None
+        raise InputError(place, f"cannot be opened ({error.orig})", mend) from None
     except (ImportError, sa.exc.NoSuchModuleError) as error:
         what = f"its database driver is not installed ({error})"
-        raise InputError(shown, what, 'pip install "wayline[postgres]"') from None
-    return _schema_finding(shown, package, service, revision)
-
-
-def _parsed(url: str) -> sa.URL:
-    try:
-        address = sa.make_url(url)
-    except sa.exc.ArgumentError:
-        raise InputError(url, "is not a database address", ADDRESS_MEND) from None
-    if address.get_backend_name() not in {"sqlite", "postgresql"}:
-        shown = address.render_as_string(hide_password=True)
-        raise InputError(shown, "is a kind of database that is not known", ADDRESS_MEND)
-    return address
-
-
-def _is_sqlite(address: sa.URL) -> bool:
-    return address.get_backend_name() == "sqlite"
+        raise InputError(place, what, 'pip install "wayline[postgres]"') from None
+    return _schema_finding(place, package, service, revision)
 
 
 def _read_only(address: sa.URL) -> sa.Engine:
-    if not _is_sqlite(address):
+    if not is_sqlite(address):
         return sa.create_engine(address, connect_args={"connect_timeout": CONNECT_TIMEOUT_S})
     location = Path(address.database or "").absolute().as_uri()
     query = {"mode": "ro", "uri": "true"}
@@ -72,7 +57,7 @@ def _revision(engine: sa.Engine, version_table: str) -> str | None:
         engine.dispose()
 
 
-def _schema_finding(shown: str, package: str, service: str, revision: str | None) -> str:
+def _schema_finding(place: str, package: str, service: str, revision: str | None) -> str:
     config = Config()
     config.set_main_option("script_location", str(files(package) / "migrations").replace("%", "%%"))
     config.set_main_option("path_separator", "os")
@@ -84,4 +69,4 @@ def _schema_finding(shown: str, package: str, service: str, revision: str | None
     if revision in {script.revision for script in scripts.walk_revisions()}:
         return f"reachable, {service} brings its tables up to date when it starts"
     what = f"was written by a newer version ({package} {revision})"
-    raise InputError(shown, what, "update Wayline or name another database")
+    raise InputError(place, what, "update Wayline or name another database")

@@ -21,6 +21,7 @@ from wayline_cli.check_machine import (
     node_version,
 )
 from wayline_cli.check_network import check_http_ports, check_router, port_holder, try_session
+from wayline_cli.check_secrets import check_secrets
 from wayline_dashboard.page import STATIC
 
 SQLITE = "sqlite:///"
@@ -41,6 +42,7 @@ def doctor(
     loaded = fine("configuration", str(config)) if config else note(*NO_FILE)
     return [
         loaded,
+        *(check_secrets(config, load_settings(config, {})) if config else []),
         *configured(settings, services, is_default=config is None),
         *network(settings, services, is_default=config is None),
         *devices(settings),

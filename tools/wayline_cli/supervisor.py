@@ -11,6 +11,8 @@ STEADY_S = 10.0
 """A process that lived so long starts again after the first delay."""
 GRACE_S = 5.0
 """What a process gets to end after SIGTERM before it is killed."""
+NEEDS_MENDING = 2
+"""The status of a process whose input or configuration somebody has to mend."""
 
 
 class Action(Enum):
@@ -35,6 +37,8 @@ class State(Enum):
     RUNNING = auto()
     ENDING = auto()
     KILLED = auto()
+    DOWN = auto()
+    """Left alone: started again, it would say the same again."""
     OVER = auto()
 
 
@@ -70,7 +74,8 @@ class Supervisor:
 
     `stages` are names in the order of starting: what a stage needs is in the stages before it.
     Whoever carries out the orders says with `ended` what has ended; all times are of one
-    monotonic clock, in seconds.
+    monotonic clock, in seconds. What needs mending is left down; when that is all of a last
+    stage, the rest is of no use and ends too.
     """
 
     def __init__(self, stages: Sequence[Sequence[str]]) -> None:
@@ -83,13 +88,22 @@ class Supervisor:
         """Whether it was stopped and every process has ended."""
         return self._stopping and not any(w.state in ALIVE for w in self._watched.values())
 
+    @property
+    def down(self) -> list[str]:
+        """What ended because it needs mending, in the order of starting."""
+        return [name for name, watched in self._watched.items() if watched.state is State.DOWN]
+
     def stop(self) -> None:
         """From now on nothing starts and everything ends."""
         self._stopping = True
 
-    def ended(self, name: str, now_s: float) -> float | None:
+    def ended(self, name: str, status: int, now_s: float) -> float | None:
         """Take note that a process has ended; seconds until it starts again, None for never."""
         watched = self._watched[name]
+        if status == NEEDS_MENDING:
+            watched.turn(State.DOWN, now_s)
+            self._stopping = self._stopping or set(self._stages[-1]) <= set(self.down)
+            return None
         if self._stopping:
             watched.turn(State.OVER, now_s)
             return None

@@ -15,7 +15,7 @@ from wayline.ending import Ending, ending_on_signals
 from wayline.errors import InputError
 from wayline.services import SERVICES
 from wayline.settings import Settings, load_settings
-from wayline_cli.supervisor import Action, Supervisor
+from wayline_cli.supervisor import NEEDS_MENDING, Action, Supervisor
 
 POLL_S = 0.05
 LAST_WORDS_S = 0.2
@@ -40,12 +40,16 @@ class Running(NamedTuple):
 def up(config: Path) -> None:
     """Run what the file lists until SIGTERM or Ctrl-C.
 
-    Raises InputError for a file that does not fit and for a service that is not installed.
+    Raises InputError for a file that does not fit, for a service that is not installed, and when
+    every service has ended because it needs mending.
     """
     stages = children(config, load_settings(config))
     names = [child.name for stage in stages for child in stage]
     with ending_on_signals() as ending:
-        keep_running(stages, ending, line_writer(max(map(len, names))))
+        down = keep_running(stages, ending, line_writer(max(map(len, names))))
+        if down and not ending.requested:
+            mend = "mend what each has said, then start again"
+            raise InputError(str(config), f"no service is left, {', '.join(down)} ended", mend)
 
 
 def children(config: Path, settings: Settings) -> list[list[Child]]:
@@ -84,8 +88,11 @@ def line_writer(width: int) -> Say:
     return say
 
 
-def keep_running(stages: Sequence[Sequence[Child]], ending: Ending, say: Say) -> None:
-    """Start processes, restart what ends, end them all when asked to stop."""
+def keep_running(stages: Sequence[Sequence[Child]], ending: Ending, say: Say) -> list[str]:
+    """Start processes, restart what ends, end them all when asked to stop.
+
+    Returns the names of those that were left down because they need mending.
+    """
     commands = {child.name: child.command for stage in stages for child in stage}
     supervisor = Supervisor([[child.name for child in stage] for stage in stages])
     running: dict[str, Running] = {}
@@ -100,6 +107,7 @@ def keep_running(stages: Sequence[Sequence[Child]], ending: Ending, say: Say) ->
         for process, _ in running.values():
             process.kill()
             process.wait()
+    return supervisor.down
 
 
 def _carry_out(
@@ -151,9 +159,14 @@ def _notice_ends(supervisor: Supervisor, running: dict[str, Running], say: Say) 
         del running[name]
         # its last words come first, unless a process of its own still holds the pipe
         speaker.join(LAST_WORDS_S)
-        delay_s = supervisor.ended(name, time.monotonic())
-        again = "" if delay_s is None else f", starts again in {delay_s:.1f} s"
-        say(name, f"{_ending(status)}{again}")
+        delay_s = supervisor.ended(name, status, time.monotonic())
+        say(name, f"{_ending(status)}{_consequence(status, delay_s)}")
+
+
+def _consequence(status: int, delay_s: float | None) -> str:
+    if status == NEEDS_MENDING:
+        return ": needs mending, is not started again"
+    return "" if delay_s is None else f", starts again in {delay_s:.1f} s"
 
 
 def _ending(status: int) -> str:

@@ -2,15 +2,14 @@
 
 from argparse import Namespace
 
-from wayline.database import open_database
 from wayline.node import Node
+from wayline.patient_store import PatientStore, Tables
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import main as run_shell
 from wayline.shell import plain_app
 from wayline_fusion.core import FusionCore
-from wayline_fusion.keeping.patient_store import PatientStore
-from wayline_fusion.keeping.store import FusionStore
+from wayline_fusion.keeping.store import FusionTables
 from wayline_fusion.live_view import live_views
 
 NAME = "fusion"
@@ -19,15 +18,22 @@ NAME = "fusion"
 def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured, with its live view where that is wanted."""
     del options
-    url = settings.database_url
-    engine = None if url is None else open_database(url, "wayline_fusion")
+    store, told = None, set[str]()
+    if settings.database_url is not None:
+        where = Tables(
+            settings.database_url, "wayline_fusion", lambda engine: FusionTables(engine, told)
+        )
+        store = PatientStore(where, settings, newest_only=True)
 
     def make_node(vehicle_id: str, source: str) -> Node:
         del source
-        if engine is None:
+        if store is None:
             return Node(NAME, FusionCore(settings.tuning))
-        store = PatientStore(FusionStore(engine, vehicle_id))
-        return Node(NAME, FusionCore(settings.tuning, store.load()), store)
+        found = store.ask(lambda tables: tables.load(vehicle_id))
+        if found is None:
+            return Node(NAME, FusionCore(settings.tuning), store.of(vehicle_id))
+        told.add(vehicle_id)
+        return Node(NAME, FusionCore(settings.tuning, found.saved), store.of(vehicle_id))
 
     return Service(
         NAME,
@@ -35,6 +41,7 @@ def build(settings: Settings, options: Namespace) -> Service:
         FusionCore.reads,
         views=live_views(settings),
         make_app=plain_app(NAME, settings),
+        store=store,
     )
 
 

@@ -16,7 +16,7 @@ from wayline_fusion.intake.intake import Intake
 from wayline_fusion.intake.told import Told
 from wayline_fusion.keeping.keeper import Keeper
 from wayline_fusion.keeping.records import Saved
-from wayline_fusion.outputs import Outputs
+from wayline_fusion.outputs import Fixes, Outputs
 
 Taker = Callable[[Any, str], Sequence[Message | Record]]
 """Takes one kind of input."""
@@ -80,6 +80,9 @@ class FusionCore:
             restarted = self._keeper.take_temperature(gyro.t_ns, gyro.temperature_c)
             if restarted is not None:
                 self._add(restarted)
+            warmed = self._intake.warmed(gyro)
+            if warmed is not None:
+                self._add(warmed)
         self._intake.gyro(gyro)
         return ()
 
@@ -140,7 +143,8 @@ class FusionCore:
 
     def _pose(self, t_ns: int, *, has_can: bool) -> Message:
         self._pose_ns = t_ns
-        return self._outputs.pose(t_ns, self._fix_delay_ns, has_can=has_can)
+        fixes = Fixes(self._intake.cadence.usual_s, self._fix_delay_ns)
+        return self._outputs.pose(t_ns, fixes, has_can=has_can)
 
     def _has_can(self, t_ns: int) -> bool:
         vehicle_ns = self._intake.vehicle_ns

@@ -1,5 +1,7 @@
 """Pure: poses and statuses, from what is believed of the vehicle."""
 
+from typing import NamedTuple
+
 import msgspec
 
 from wayline.messages import Calibration, FusionStatus, Pose, PoseMode
@@ -8,9 +10,22 @@ from wayline_fusion.architectures.architecture import Architecture, Motion, Sens
 from wayline_fusion.filter.vertical import VerticalEstimate
 from wayline_fusion.intake.told import Told
 
-OUTAGE_NS = 2_000_000_000
-"""Without an accepted fix this long, the pose is dead reckoning (SPEC section 2)."""
+OUTAGE_S = 2.0
+OUTAGE_INTERVALS = 1.5
+"""Without an accepted fix for the longer of these the pose is dead reckoning (SPEC section 2)..."""
 LOST_STD_M = 100.0
+LOST_S = 90.0
+LOST_INTERVALS = 3.0
+"""...and for the longer of these, and with a std as large, it is lost."""
+
+
+class Fixes(NamedTuple):
+    """How they come."""
+
+    usual_s: float
+    """Between two of them."""
+    delay_ns: int
+    """Later than they describe."""
 
 
 class Outputs:
@@ -23,15 +38,15 @@ class Outputs:
         self._told, self._tuning = told, tuning
         self._distance_m = 0.0
 
-    def pose(self, t_ns: int, fix_delay_ns: int, *, has_can: bool) -> Pose:
-        """Of the state as it is, for an instant; fixes come so much later than they describe."""
+    def pose(self, t_ns: int, fixes: Fixes, *, has_can: bool) -> Pose:
+        """Of the state as it is, for an instant."""
         progress = self._estimator.progress
         motion, height = self._estimator.motion(), self._vertical.height_at(progress)
         self._distance_m = max(self._distance_m, progress.distance_m)
         place, is_directed = motion.place_deg, motion.heading_deg is not None
         return Pose(
             t_ns=t_ns,
-            mode=_mode(motion, motion.t_ns - fix_delay_ns, has_can=has_can),
+            mode=_mode(motion, fixes, has_can=has_can),
             lat_deg=place[0] if place else None,
             lon_deg=place[1] if place else None,
             alt_m=height.alt_m if height else None,
@@ -67,13 +82,15 @@ class Outputs:
         )
 
 
-def _mode(motion: Motion, due_ns: int, *, has_can: bool) -> PoseMode:
-    """A fix that is on its way is not missing: the next one was due at `due_ns`."""
+def _mode(motion: Motion, fixes: Fixes, *, has_can: bool) -> PoseMode:
+    """A fix that is on its way is not missing."""
     if not _is_located(motion) or motion.accepted_fix_ns is None:
         return "starting"
-    if max(motion.east_std_m, motion.north_std_m) > LOST_STD_M:
+    without_s = (motion.t_ns - fixes.delay_ns - motion.accepted_fix_ns) * 1e-9
+    std_m = max(motion.east_std_m, motion.north_std_m)
+    if std_m > LOST_STD_M and without_s > max(LOST_S, LOST_INTERVALS * fixes.usual_s):
         return "lost"
-    if motion.is_unconfirmed or due_ns - motion.accepted_fix_ns > OUTAGE_NS:
+    if motion.is_unconfirmed or without_s > max(OUTAGE_S, OUTAGE_INTERVALS * fixes.usual_s):
         return "dead_reckoning"
     return "fused" if has_can else "gps"
 

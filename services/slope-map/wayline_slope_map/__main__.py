@@ -2,10 +2,12 @@
 
 from argparse import Namespace
 
-from wayline.database import open_database
+import msgspec
+
 from wayline.errors import InputError
 from wayline.keys import FLEET, query_key
 from wayline.node import Node
+from wayline.patient_store import PatientStore, Tables
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import load_routes
@@ -15,7 +17,8 @@ from wayline_slope_map.book import SlopeBook
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.queries import answer_lookahead
-from wayline_slope_map.store import SlopeStore
+from wayline_slope_map.records import RoadLearned
+from wayline_slope_map.store import SlopeTables
 from wayline_slope_map.teaching import Teaching
 
 NAME = "slope-map"
@@ -28,9 +31,16 @@ def build(settings: Settings, options: Namespace) -> Service:
         mend = "set database_url or WAYLINE_DATABASE_URL, e.g. sqlite:///slope.db"
         raise InputError("configuration", "slope-map has no database", mend)
     routes = load_routes(settings)
-    store = SlopeStore(open_database(settings.database_url, "wayline_slope_map"))
-    profiles = store.load_roads()
-    book, roads = SlopeBook(profiles), KnownRoads(profiles)
+    book, roads = SlopeBook(), KnownRoads()
+
+    def learn(learned: msgspec.Struct) -> None:
+        if isinstance(learned, RoadLearned):
+            roads.learn(learned.profile)
+            book.learn(learned.profile)
+
+    where = Tables(settings.database_url, "wayline_slope_map", SlopeTables)
+    store = PatientStore(where, settings, learn)
+    store.hand_over()
     # with one route a vehicle's road is that route; else the map finds the road itself
     if len(routes) == 1:
         (route,) = routes
@@ -39,13 +49,14 @@ def build(settings: Settings, options: Namespace) -> Service:
     def make_node(vehicle_id: str, source: str) -> Node:
         del source
         core = SlopeMapCore(roads, settings.tuning, vehicle_id)
-        return Node(NAME, core, Teaching(store, book.learn))
+        return Node(NAME, core, Teaching(store.of(vehicle_id), roads))
 
     return Service(
         NAME,
         make_node,
         SlopeMapCore.reads,
         views=[book],
+        store=store,
         make_app=lambda healthz, telemetry: create_slope_app(
             book, settings.http_of(NAME), healthz=healthz, registry=telemetry.registry
         ),

@@ -32,7 +32,13 @@ class KnownRoads:
         self.route_id = route_id
 
     def learn(self, profile: RoadProfile) -> None:
-        """Take a road as it is known from now on."""
+        """Take a road as it is known from now on.
+
+        Raises InputError if it is the route's and its line another: the database was away when
+        the route was first followed.
+        """
+        if profile.road.road_id == self.route_id:
+            check_same_route(profile.road, self._profiles[self.route_id].road)
         self._profiles[profile.road.road_id] = profile
         self._index.add(profile.road)
 

@@ -49,6 +49,45 @@ class SlopeStore:
             estimates = _estimates(connection)
         return [RoadProfile(road, estimates[road.road_id]) for road in roads]
 
+    def load_road(self, road_id: str) -> RoadProfile:
+        """One road that is there, with its fused bins."""
+        with self._engine.connect() as connection:
+            (road,) = _roads(connection, road_id)
+            return RoadProfile(road, _estimates(connection, road_id)[road_id])
+
+    def run_counts(self) -> dict[str, int]:
+        """How many runs each road has: that of a road which was written to is another."""
+        query = (
+            sa.select(ROADS.c.road_id, sa.func.count(LEDGER.c.road_id))
+            .outerjoin_from(ROADS, LEDGER, ROADS.c.road_id == LEDGER.c.road_id)
+            .group_by(ROADS.c.road_id)
+        )
+        with self._engine.connect() as connection:
+            return {row[0]: row[1] for row in connection.execute(query)}
+
+
+class SlopeTables:
+    """The slope database for a `PatientStore`: tells of every road, then of those that changed."""
+
+    def __init__(self, engine: sa.Engine) -> None:
+        self._store = SlopeStore(engine)
+        self._told: dict[str, int] = {}
+        """How many runs each road had when it was told of."""
+
+    def save(self, vehicle_id: str, record: Record) -> Sequence[RoadLearned]:
+        """Merge a finished run; `look` tells of its road."""
+        del vehicle_id
+        self._store.save(record)
+        return ()
+
+    def look(self) -> Sequence[RoadLearned]:
+        """The roads that were written to since the last look, by this process or another."""
+        counts = self._store.run_counts()
+        changed = [road_id for road_id, count in counts.items() if self._told.get(road_id) != count]
+        learned = [RoadLearned(self._store.load_road(road_id)) for road_id in changed]
+        self._told = counts
+        return learned
+
 
 def _merge(connection: sa.Connection, run: FinishedRun) -> bool:
     known = connection.execute(
@@ -145,7 +184,10 @@ def _road_row(road: Road) -> dict[str, object]:
     }
 
 
-def _roads(connection: sa.Connection) -> list[Road]:
+def _roads(connection: sa.Connection, road_id: str | None = None) -> list[Road]:
+    query = sa.select(ROADS).order_by(ROADS.c.road_id)
+    if road_id is not None:
+        query = query.where(ROADS.c.road_id == road_id)
     return [
         Road(
             row.road_id,
@@ -154,5 +196,5 @@ def _roads(connection: sa.Connection) -> list[Road]:
             row.is_route,
             tuple((lat_deg, lon_deg) for lat_deg, lon_deg in json.loads(row.line)),
         )
-        for row in connection.execute(sa.select(ROADS).order_by(ROADS.c.road_id))
+        for row in connection.execute(query)
     ]

@@ -161,6 +161,46 @@ def test_a_file_that_is_no_database_is_wrong(tmp_path: Path) -> None:
         database_finding(f"sqlite:///{tmp_path}/a.db", "slope-map", PACKAGE)
 
 
+SECRETS = [
+    ('[http]\ntokens = ["t0ken"]', "http.tokens"),
+    ('[bus]\nuser = "a"\npassword = "s3cret"', "bus.password"),
+    ('database_url = "postgresql://me:s3cret@127.0.0.1:1/x"', "database_url"),
+    ('database_url = "postgresql://127.0.0.1:1/x?password=s3cret"', "database_url"),
+]
+
+
+@pytest.mark.parametrize(("text", "held"), SECRETS)
+def test_a_file_with_secrets_that_everybody_may_read_is_noted(
+    tmp_path: Path, text: str, held: str
+) -> None:
+    path = tmp_path / "wayline.toml"
+    path.write_text('vehicle_id = "bus-1"\n' + text)
+    for mode, mark in ((0o644, Mark.NOTE), (0o640, Mark.FINE)):
+        path.chmod(mode)
+        found = by_subject(tuple(doctor(path, {})))["secrets"]
+        assert found.mark is mark
+        assert held in found.finding
+        assert "s3cret" not in found.finding
+    path.chmod(0o644)
+    assert by_subject(tuple(doctor(path, {})))["secrets"].mend == f"chmod o= {path}"
+
+
+def test_a_file_without_secrets_may_be_read_though_the_environment_has_some(tmp_path: Path) -> None:
+    path = tmp_path / "wayline.toml"
+    path.write_text('vehicle_id = "bus-1"\n')
+    path.chmod(0o644)
+    assert "secrets" not in by_subject(tuple(doctor(path, {"WAYLINE_HTTP_TOKEN": "t0ken"})))
+
+
+def test_a_private_key_that_everybody_may_read_is_noted(tmp_path: Path) -> None:
+    key, path = tmp_path / "http.key", tmp_path / "wayline.toml"
+    key.write_text("-----BEGIN PRIVATE KEY-----")
+    key.chmod(0o644)
+    path.write_text(f'vehicle_id = "bus-1"\n[http]\ntls_cert = "{key}"\ntls_key = "{key}"\n')
+    found = by_subject(tuple(doctor(path, {})))["secrets"]
+    assert (found.mark, found.mend) == (Mark.NOTE, f"chmod o= {key}")
+
+
 @pytest.mark.parametrize(
     ("holder", "mark", "finding"),
     [

@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -37,7 +37,7 @@ def test_everything_starts_at_once_in_order_and_only_once() -> None:
 
 def test_what_ends_starts_again_after_its_delay() -> None:
     supervisor = started()
-    assert supervisor.ended("gps", 20.0) == pytest.approx(0.2)
+    assert supervisor.ended("gps", 1, 20.0) == pytest.approx(0.2)
     assert supervisor.orders(20.1) == []
     assert supervisor.orders(20.21) == [Order(Action.START, "gps")]
     assert supervisor.orders(20.3) == []
@@ -50,7 +50,7 @@ def delays(lives_s: list[float]) -> list[float]:
     for life_s in lives_s:
         assert supervisor.orders(now_s) == [Order(Action.START, "gps")]
         now_s += life_s
-        delay_s = supervisor.ended("gps", now_s)
+        delay_s = supervisor.ended("gps", 1, now_s)
         assert delay_s is not None
         found.append(delay_s)
         now_s += delay_s + 0.001
@@ -74,12 +74,12 @@ def test_stopping_ends_the_services_in_reverse_and_the_router_last() -> None:
         Order(Action.TERMINATE, name) for name in ("eta", "fusion", "gps")
     ]
     for name in ("eta", "gps"):
-        assert supervisor.ended(name, 1.1) is None
+        assert supervisor.ended(name, 1, 1.1) is None
     assert supervisor.orders(1.2) == []
-    assert supervisor.ended("fusion", 1.3) is None
+    assert supervisor.ended("fusion", 1, 1.3) is None
     assert not supervisor.is_over
     assert supervisor.orders(1.4) == [Order(Action.TERMINATE, "router")]
-    assert supervisor.ended("router", 1.5) is None
+    assert supervisor.ended("router", 1, 1.5) is None
     assert supervisor.is_over
 
 
@@ -87,7 +87,7 @@ def test_what_does_not_end_in_time_is_killed_once() -> None:
     supervisor = started(("gps", "eta"))
     supervisor.stop()
     supervisor.orders(1.0)
-    supervisor.ended("eta", 1.5)
+    supervisor.ended("eta", 1, 1.5)
     assert supervisor.orders(1.0 + GRACE_S - 0.1) == []
     assert supervisor.orders(1.0 + GRACE_S) == [Order(Action.KILL, "gps")]
     assert supervisor.orders(2.0 + GRACE_S) == []
@@ -96,15 +96,35 @@ def test_what_does_not_end_in_time_is_killed_once() -> None:
 
 def test_what_waits_for_its_restart_is_not_started_when_stopped() -> None:
     supervisor = started(("gps",))
-    supervisor.ended("gps", 1.0)
+    supervisor.ended("gps", 1, 1.0)
     supervisor.stop()
     assert supervisor.orders(100.0) == []
     assert supervisor.is_over
 
 
+def test_what_needs_mending_is_left_down_whatever_else_runs() -> None:
+    supervisor = started()
+    assert supervisor.ended("gps", 2, 1.0) is None
+    assert supervisor.orders(100.0) == []
+    assert supervisor.down == ["gps"]
+    assert supervisor.ended("eta", 2, 101.0) is None
+    assert supervisor.orders(200.0) == []
+    assert not supervisor.is_over
+
+
+def test_when_no_service_is_left_the_router_is_ended() -> None:
+    supervisor = started()
+    for name in ("gps", "eta", "fusion"):
+        supervisor.ended(name, 2, 1.0)
+    assert supervisor.orders(1.1) == [Order(Action.TERMINATE, "router")]
+    supervisor.ended("router", -15, 1.2)
+    assert supervisor.is_over
+    assert supervisor.down == ["gps", "fusion", "eta"]
+
+
 def test_it_is_not_over_before_it_is_stopped() -> None:
     supervisor = started(("gps",))
-    supervisor.ended("gps", 1.0)
+    supervisor.ended("gps", 1, 1.0)
     assert not supervisor.is_over
 
 
@@ -114,11 +134,18 @@ class Running:
     def __init__(self, *stages: list[Child]) -> None:
         self.stop = Ending()
         self.lines: queue.SimpleQueue[tuple[str, str]] = queue.SimpleQueue()
-        self._thread = threading.Thread(
-            target=keep_running,
-            args=(stages, self.stop, lambda name, line: self.lines.put((name, line))),
-        )
+        self._down: list[str] = []
+        self._thread = threading.Thread(target=self._run, args=(stages,))
         self._thread.start()
+
+    def _run(self, stages: Sequence[Sequence[Child]]) -> None:
+        self._down = keep_running(stages, self.stop, lambda *said: self.lines.put(said))
+
+    def down(self) -> list[str]:
+        """What needs mending, once all has ended by itself."""
+        self._thread.join(WAIT_S)
+        assert not self._thread.is_alive()
+        return self._down
 
     def line(self, start: str = "") -> tuple[str, str]:
         """The next line that starts so, and whose it is."""
@@ -206,9 +233,28 @@ def test_a_service_that_ignores_the_signal_is_killed(
 
 
 def test_a_service_that_ends_by_itself_says_its_status(run: type[Running]) -> None:
-    running = run([fake("gps", "raise SystemExit(2)")])
-    assert running.line("ended") == ("gps", "ended with status 2, starts again in 0.2 s")
-    assert running.line("ended") == ("gps", "ended with status 2, starts again in 0.4 s")
+    running = run([fake("gps", "raise SystemExit(3)")])
+    assert running.line("ended") == ("gps", "ended with status 3, starts again in 0.2 s")
+    assert running.line("ended") == ("gps", "ended with status 3, starts again in 0.4 s")
+
+
+MENDING = "ended with status 2: needs mending, is not started again"
+
+
+def test_what_needs_mending_is_said_once_and_left(run: type[Running]) -> None:
+    running = run([fake("gps", "raise SystemExit(2)"), fake("eta")])
+    assert {running.line()[0], running.line()[0]} == {"gps", "eta"}
+    # longer than a first delay
+    time.sleep(0.5)
+    assert running.end() == [("eta", "was ended by SIGTERM")]
+
+
+def test_when_all_need_mending_the_router_ends_too(run: type[Running]) -> None:
+    broken = "raise SystemExit(2)"
+    running = run([fake("router")], [fake("gps", broken), fake("eta", broken)])
+    assert {running.line("ended"), running.line("ended")} == {("gps", MENDING), ("eta", MENDING)}
+    assert running.line("was ended") == ("router", "was ended by SIGTERM")
+    assert running.down() == ["gps", "eta"]
 
 
 def test_lines_are_written_behind_their_names(capsys: pytest.CaptureFixture[str]) -> None:

@@ -92,12 +92,13 @@ def test_nothing_is_claimed_of_sensors_that_are_not_calibrated(
 
 @pytest.mark.parametrize("architecture", COMPARED)
 def test_an_outage_ends_in_modes_and_stds_that_say_so(architecture: ArchitectureName) -> None:
-    sensors = Sensors(gyro_bias_degps=0.5, odometer_scale=0.98, outage=(60.0, 120.0))
-    truths = truth_of(town, 119.9)
+    sensors = Sensors(gyro_bias_degps=0.5, odometer_scale=0.98, outage=(60.0, 170.0))
+    truths = truth_of(town, 169.9)
     poses = poses_of(architecture, messages_of(town, truths, sensors))
     with_gps = "fused" if architecture == "uncoupled" else "gps"
     assert pose_at(poses, 59.0).mode == with_gps
     assert pose_at(poses, 65.0).mode == "dead_reckoning"
+    assert pose_at(poses, 145.0).mode == "dead_reckoning", "lost takes 90 s too"
     assert poses[-1].mode == "lost"
     for pose in poses[200:]:
         std_m = math.hypot(pose.east_std_m or 0.0, pose.north_std_m or 0.0)

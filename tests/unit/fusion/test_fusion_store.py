@@ -1,9 +1,7 @@
 """The fusion database: one row a vehicle, kept durably, and no reason to lose a pose."""
 
-import logging
 import os
 import signal
-import sqlite3
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,9 +13,8 @@ import sqlalchemy as sa
 
 from wayline.core import Record
 from wayline.database import open_database
-from wayline_fusion.keeping.patient_store import PatientStore
 from wayline_fusion.keeping.records import LastPose, Saved, SensorCalibration
-from wayline_fusion.keeping.store import FusionStore
+from wayline_fusion.keeping.store import FusionStore, FusionTables
 from wayline_fusion.keeping.tables import METADATA
 
 PACKAGE = "wayline_fusion"
@@ -50,8 +47,8 @@ SAVED = Saved(t_ns=1_700_000_000_123_456_789, calibration=CALIBRATION, pose=POSE
 
 
 @pytest.fixture
-def engine(tmp_path: Path) -> Iterator[sa.Engine]:
-    opened = open_database(f"sqlite:///{tmp_path}/fusion.db", PACKAGE)
+def engine(database_url: str) -> Iterator[sa.Engine]:
+    opened = open_database(database_url, PACKAGE)
     yield opened
     opened.dispose()
 
@@ -89,7 +86,8 @@ def test_only_what_fusion_keeps_is_kept(engine: sa.Engine) -> None:
         FusionStore(engine, "bus-1").save(Record())
 
 
-def test_the_tables_are_those_that_the_store_uses(engine: sa.Engine) -> None:
+def test_the_tables_are_those_that_the_store_uses(tmp_path: Path) -> None:
+    engine = open_database(f"sqlite:///{tmp_path}/fusion.db", PACKAGE)
     inspector = sa.inspect(engine)
     for table in METADATA.sorted_tables:
         there = {
@@ -97,11 +95,12 @@ def test_the_tables_are_those_that_the_store_uses(engine: sa.Engine) -> None:
         }
         assert there == {c.name: (str(c.type), c.nullable) for c in table.columns}
     assert inspector.has_table("alembic_version_fusion")
+    engine.dispose()
 
 
-def test_services_share_one_file(tmp_path: Path) -> None:
+def test_services_share_one_database(database_url: str) -> None:
     """As a replay's `--database` does."""
-    url = f"sqlite:///{tmp_path}/all.db"
+    url = database_url
     open_database(url, "wayline_slope_map").dispose()
     engine = open_database(url, PACKAGE)
     FusionStore(engine, "bus-1").save(SAVED)
@@ -111,7 +110,7 @@ def test_services_share_one_file(tmp_path: Path) -> None:
     again.dispose()
 
 
-def test_what_was_acknowledged_survives_kill(tmp_path: Path) -> None:
+def test_what_was_acknowledged_survives_kill(database_url: str) -> None:
     program = (
         "import sys, msgspec; sys.path.insert(0, sys.argv[1])\n"
         "from unit.fusion.test_fusion_store import FusionStore, open_database, SAVED, PACKAGE\n"
@@ -120,41 +119,54 @@ def test_what_was_acknowledged_survives_kill(tmp_path: Path) -> None:
         "    store.save(msgspec.structs.replace(SAVED, t_ns=k))\n"
         "    print(k, flush=True)\n"
     )
-    url = f"sqlite:///{tmp_path}/fusion.db"
     tests = str(Path(__file__).parents[2])
     with subprocess.Popen(
-        [sys.executable, "-c", program, tests, url], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", program, tests, database_url], stdout=subprocess.PIPE, text=True
     ) as child:
         assert child.stdout is not None
         said = [child.stdout.readline() for _ in range(10)]
         os.kill(child.pid, signal.SIGKILL)
         said += child.stdout.read().splitlines()
     acknowledged = len([line for line in said if line.strip()])
-    engine = open_database(url, PACKAGE)
+    engine = open_database(database_url, PACKAGE)
     kept = FusionStore(engine, "bus-1").load()
     engine.dispose()
     assert kept is not None
     assert kept.t_ns in (acknowledged - 1, acknowledged)
 
 
-def test_a_database_that_fails_costs_no_pose_and_is_told_once(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
+def surer(factor: float) -> Saved:
+    """What is kept, with stds that are so many times as large."""
+    calibration = msgspec.structs.replace(
+        CALIBRATION,
+        gyro_bias_degps=0.7,
+        gyro_bias_std_degps=CALIBRATION.gyro_bias_std_degps * factor,
+        gyro_scale_std=CALIBRATION.gyro_scale_std * factor,
+        odometer_scale_std=CALIBRATION.odometer_scale_std * factor,
+    )
+    return Saved(t_ns=SAVED.t_ns + 1, calibration=calibration, pose=None)
+
+
+@pytest.mark.parametrize(("factor", "is_taken"), [(1.1, False), (0.9, True)])
+def test_a_core_that_began_without_what_was_kept_replaces_it_once_it_knows_as_well(
+    engine: sa.Engine, factor: float, is_taken: bool
 ) -> None:
-    engine = open_database(f"sqlite:///{tmp_path}/fusion.db", PACKAGE)
-    store = PatientStore(FusionStore(engine, "bus-1"))
-    with sqlite3.connect(tmp_path / "fusion.db") as connection:
-        connection.execute("ALTER TABLE fusion_vehicle RENAME TO gone")
-    with caplog.at_level(logging.INFO, "wayline"):
-        assert store.load() is None
-        assert list(store.save(SAVED)) == []
-        assert list(store.save(SAVED)) == []
-        with sqlite3.connect(tmp_path / "fusion.db") as connection:
-            connection.execute("ALTER TABLE gone RENAME TO fusion_vehicle")
-        connection.close()
-        store.save(SAVED)
-        store.save(SAVED)
-    engine.dispose()
-    assert [record.getMessage() for record in caplog.records] == [
-        "calibration is not kept: no such table: fusion_vehicle",
-        "calibration is kept again",
-    ]
+    FusionStore(engine, "bus-1").save(SAVED)
+    learned = surer(factor)
+    FusionTables(engine, set()).save("bus-1", learned)
+    kept = FusionStore(engine, "bus-1").load()
+    expected = learned.calibration if is_taken else CALIBRATION
+    assert kept == msgspec.structs.replace(learned, calibration=expected)
+
+
+def test_a_core_that_was_told_replaces_what_was_kept(engine: sa.Engine) -> None:
+    FusionStore(engine, "bus-1").save(SAVED)
+    tables = FusionTables(engine, {"bus-1"})
+    assert tables.load("bus-1").saved == SAVED
+    tables.save("bus-1", surer(1.1))
+    assert FusionStore(engine, "bus-1").load() == surer(1.1)
+
+
+def test_what_a_new_vehicle_learned_is_kept_though_nothing_was_told(engine: sa.Engine) -> None:
+    FusionTables(engine, set()).save("bus-1", SAVED)
+    assert FusionStore(engine, "bus-1").load() == SAVED

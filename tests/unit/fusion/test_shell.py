@@ -1,11 +1,13 @@
 """The fusion process: with a database it goes on where it stopped, each vehicle by itself."""
 
+import contextlib
 from argparse import Namespace
 from pathlib import Path
 
 from builders import about, only
 from unit.fusion.drives import Sensors, messages_of, town, truth_of
 from wayline.messages import FusionStatus, Message
+from wayline.node import Node
 from wayline.settings import Settings
 from wayline_fusion.__main__ import build
 
@@ -14,7 +16,16 @@ SENSORS = Sensors(odometer_scale=0.95, gps_noise_m=1.0)
 
 def served(settings: Settings, vehicle_id: str) -> list[FusionStatus]:
     """Two minutes of one vehicle, from the start of the process to its end."""
-    node = build(settings, Namespace()).make_node(vehicle_id, "")
+    service = build(settings, Namespace())
+    with contextlib.ExitStack() as stack:
+        if service.store is not None:
+            # as the loop does
+            service.store.start(lambda: None)
+            stack.callback(service.store.close)
+        return driven(service.make_node(vehicle_id, ""))
+
+
+def driven(node: Node) -> list[FusionStatus]:
     published: list[Message] = []
     last_ns = 0
     for message in messages_of(town, truth_of(town, 120.0), SENSORS):

@@ -6,12 +6,15 @@ import signal
 import sqlite3
 import subprocess
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
 
-from wayline.database import open_database, write_transaction
+from postgres import Cluster
+from wayline.database import DatabaseAwayError, open_database, write_transaction
 from wayline.errors import InputError
 from wayline_slope_map.tables import METADATA
 
@@ -144,7 +147,68 @@ def test_a_database_from_a_newer_version_is_refused(tmp_path: Path) -> None:
         open_database(f"sqlite:///{path}", PACKAGE)
 
 
-def test_a_password_is_never_shown() -> None:
+ADDRESSES_WITH_A_SECRET = [
+    "mysql://me:secret@localhost/slope",
+    "postgresql://me:secret@localhost:54x2/slope",
+    "postgresql://me:secret@localhost:99999/slope",
+    "postgresql://me:not@secret@localhost/slope",
+    "postgresql://me:not@a/secret@localhost/slope",
+    "postgresql://me:secret",
+    "postgresql://localhost/slope?password=secret&nonsense=1",
+    "postgresql://me:secret@127.0.0.1:1/slope",
+    "postgresql+nonsense://me:secret@localhost/slope",
+    "postgres//me:secret@localhost/slope",
+    "host=localhost user=me password=secret",
+    "me:secret",
+]
+
+
+@pytest.mark.parametrize("url", ADDRESSES_WITH_A_SECRET)
+def test_a_password_is_never_shown(url: str) -> None:
     with pytest.raises(InputError) as caught:
-        open_database("mysql://me:secret@localhost/slope", PACKAGE)
+        open_database(url, PACKAGE)
     assert "secret" not in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("url", "said"),
+    [
+        ("postgresql://me@localhost:54x2/slope", "has a port that is no number"),
+        ("postgresql://me@localhost:99999/slope", "has port 99999"),
+        ("postgresql://me:a@b@localhost/slope", "has more than one @"),
+        ("postgresql://localhost/slope?nonsense=1", "nonsense"),
+    ],
+)
+def test_what_only_editing_mends_is_not_called_away(url: str, said: str) -> None:
+    with pytest.raises(InputError, match=re.escape(said)) as caught:
+        open_database(url, PACKAGE)
+    assert not isinstance(caught.value, DatabaseAwayError)
+
+
+def test_a_server_or_a_folder_that_is_not_there_is_away(tmp_path: Path) -> None:
+    for url in (
+        "postgresql://127.0.0.1:1/slope",
+        f"sqlite:///{tmp_path}/not-mounted/a.db",
+    ):
+        with pytest.raises(DatabaseAwayError):
+            open_database(url, PACKAGE)
+
+
+def test_two_services_make_their_tables_at_once(postgres: Cluster) -> None:
+    """Each process sees an empty database first; the second waits for the first one's tables."""
+    url = postgres.new_url()
+    packages = ["wayline_slope_map", "wayline_fusion"] * 2
+    at_once = threading.Barrier(len(packages))
+
+    def start(package: str) -> set[str]:
+        at_once.wait(10.0)
+        engine = open_database(url, package)
+        names = set(sa.inspect(engine).get_table_names())
+        engine.dispose()
+        return names
+
+    with ThreadPoolExecutor(len(packages)) as pool:
+        found = list(pool.map(start, packages))
+    assert all("slope_ledger" in names for names in found[::2])
+    assert all("fusion_vehicle" in names for names in found[1::2])

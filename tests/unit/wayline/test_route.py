@@ -10,7 +10,7 @@ import pytest
 from wayline.errors import InputError
 from wayline.geo import LocalPlane
 from wayline.line import Line
-from wayline.route import DEFAULT_SPEED_MPS, Route
+from wayline.route import DEFAULT_SPEED_MPS, Route, make_route
 from wayline.route_file import load_route, write_route
 from wayline.stops import StopPlace, place_stops
 
@@ -183,3 +183,34 @@ def test_planned_time_goes_on_over_the_laps_of_a_loop(two_speeds: Route) -> None
 
 def test_planned_speed_is_that_of_the_leg(two_speeds: Route) -> None:
     assert (two_speeds.speed_at(99.0), two_speeds.speed_at(101.0)) == (10.0, 5.0)
+
+
+@pytest.mark.parametrize(
+    ("route_id", "stop_id", "name", "said"),
+    [
+        ("r" * 257, "s", "Stop", r"the route_id 'r{20}'\.\.\. has 257 characters"),
+        ("r", "s" * 257, "Stop", r"the stop_id 's{20}'\.\.\. has 257 characters"),
+        ("r", "s", "n" * 257, r"the stop's name 'n{20}'\.\.\. has 257 characters"),
+    ],
+)
+def test_a_text_that_no_message_may_carry_is_refused_at_the_start(
+    route_id: str, stop_id: str, name: str, said: str
+) -> None:
+    """Else every reader would drop the arrivals."""
+    vertices = [(55.0, 10.0), (55.01, 10.0)]
+    stops = [StopPlace(stop_id, name, 55.005, 10.0)]
+
+    def made(route_id: str, stops: list[StopPlace]) -> Route:
+        return make_route(
+            "test",
+            route_id=route_id,
+            name="",
+            loop=False,
+            vertices=vertices,
+            speeds_mps=None,
+            stops=stops,
+        )
+
+    with pytest.raises(InputError, match=said):
+        made(route_id, stops)
+    assert made("r" * 256, [StopPlace("s" * 256, "n" * 256, 55.005, 10.0)]).length_m > 0.0

@@ -78,9 +78,12 @@ def test_details_that_are_too_long_together_are_cut_where_they_are_longest() -> 
     whole = ["x" * 127, "y" * 127]
     assert joined(whole) == "; ".join(whole)
     short = "tcp://127.0.0.1:4001: well"
-    long = [f"serial:///dev/ttyUSB{port}: silent for {'very ' * 40}long" for port in range(3)]
+    by_id = "serial:///dev/serial/by-id/usb-u-blox_GNSS_receiver-if0"
+    long = [f"{by_id}{port}: silent for {'very ' * 40}long" for port in range(3)]
     first, *others = joined([short, *long]).split("; ")
     assert first == short
+    for port, each in enumerate(others):
+        assert each.startswith(f"…{by_id[-22:]}{port}: silent for")
     assert {len(each) for each in others} == {(256 - 3 * 2 - len(short)) // 3}
     assert all(each.endswith("…") for each in others)
     assert len(joined(["z" * 9] * 200)) == 256

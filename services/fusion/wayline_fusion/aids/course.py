@@ -7,7 +7,7 @@ import msgspec
 from wayline.agreement import Agreement, Off, rejected
 from wayline.likelihood import Measurement
 from wayline_fusion.filter import measurements
-from wayline_fusion.filter.estimate import Estimate
+from wayline_fusion.filter.estimate import Estimate, Turn
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
 from wayline_fusion.filter.situation import TakenCourse
 from wayline_fusion.filter.states import States
@@ -18,6 +18,8 @@ NOISE_FACTOR_MIN = 0.3
 BIAS_DOUBT_FACTOR = 3.0
 """A course that had to be set says that the bias is known less well than it seemed; once more, and
 again so."""
+UNTIMED_STD_RAD = math.radians(10.0)
+"""Of a course that is told without a speed, as position reports have it."""
 AGREEING_SHARE = 0.5
 """Rejected courses agree when none is off by less than this share of the one before; while the
 heading is wrong and the vehicle turns they may be off by more."""
@@ -39,17 +41,20 @@ class Course:
     the heading anew, the gyro's bias and the way since are doubted.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, turn: Turn) -> None:
         self.evidence = CourseEvidence()
+        self._turn = turn
 
     def take(self, estimate: Estimate, course: GpsCourse) -> Outcome:
         """Correct the heading with a course, or start from it; a crawl has none worth it."""
         tuning, x = estimate.tuning, estimate.filter.x
-        if course.speed_mps < tuning.course_speed_min_mps:
+        course = _timed(estimate, course)
+        speed_mps = course.speed_mps
+        if speed_mps is None or speed_mps < tuning.course_speed_min_mps:
             return UNUSED
         rate_radps = estimate.gyro.rate_radps(course.t_ns)
         rate_radps = 0.0 if rate_radps is None else rate_radps - float(x[States.GYRO_BIAS])
-        std_rad = _std_rad(estimate, course, rate_radps)
+        std_rad = _std_rad(estimate, course, speed_mps, rate_radps)
         backwards_rad = math.pi if x[States.WHEEL_SPEED] < 0.0 else 0.0
         if not estimate.situation.heading_known:
             start_rad = max(std_rad, math.radians(tuning.heading_start_std_deg))
@@ -57,8 +62,17 @@ class Course:
             estimate.know(heading_known=True)
             return UNUSED
         measurement = measurements.course(x, course.course_rad, std_rad, rate_radps)
-        _learn_doppler(estimate, course, measurement)
-        policy = Policy(tuning.gate_probability)
+        _learn_doppler(estimate, course, speed_mps, measurement)
+        self._bend_way(estimate, course.t_ns, float(measurement.y[0]))
+
+        def second_look(unlikely: Measurement) -> bool:
+            before = estimate.situation.course
+            since_ns = None if before is None else before.t_ns
+            return self._turn(estimate, float(unlikely.y[0]), speed_mps, since_ns)
+
+        turns_told = estimate.gyro.covers(course.t_ns)
+        look = None if turns_told else second_look
+        policy = Policy(tuning.gate_probability, second_look=look)
         outcome = try_measurement(estimate, measurement, course.t_ns, policy)
         if outcome.is_accepted:
             self.evidence = CourseEvidence()
@@ -68,9 +82,18 @@ class Course:
             self._wait(estimate, course.t_ns, float(outcome.off[0]))
         return outcome
 
+    def _bend_way(self, estimate: Estimate, t_ns: int, off_rad: float) -> None:
+        """Where no gyro has told of a turn, the way since the last course was no straight line."""
+        before = estimate.situation.course
+        if before is not None and not estimate.gyro.covers(t_ns):
+            since_ns = max(before.t_ns, estimate.situation.accepted_fix_ns or 0)
+            estimate.filter.inflate_arc(off_rad, (t_ns - since_ns) * 1e-9)
+
     def _wait(self, estimate: Estimate, t_ns: int, off_rad: float) -> None:
         """Remember a rejected course; believe it when others have agreed for long enough."""
-        agreement = rejected(self.evidence.agreement, t_ns, (off_rad,), are_alike)
+        agreement = rejected(
+            self.evidence.agreement, t_ns, (off_rad,), are_alike, estimate.rejected_forgotten_ns
+        )
         self.evidence = CourseEvidence(agreement)
         if agreement.agreed_s >= estimate.tuning.course_relock_after_s:
             self.evidence = CourseEvidence()
@@ -97,11 +120,13 @@ def _turn_to_course(estimate: Estimate, t_ns: int, off_rad: float, agreed_s: flo
     estimate.tell("gps_course", t_ns, "another heading for long; set to the course")
 
 
-def _learn_doppler(estimate: Estimate, course: GpsCourse, measurement: Measurement) -> None:
+def _learn_doppler(
+    estimate: Estimate, course: GpsCourse, speed_mps: float, measurement: Measurement
+) -> None:
     """Across the direction of travel Doppler is as noisy as along it."""
     if course.std_rad is not None or not estimate.gyro.covers(course.t_ns):
         return
-    claimed = (course.speed_std_mps / course.speed_mps) ** 2
+    claimed = (course.speed_std_mps / speed_mps) ** 2
     noise = estimate.learned.doppler_noise
     other = float(measurement.R[0, 0]) - noise.factor * claimed
     predicted = float(estimate.filter.expected(measurement)[0, 0]) + other
@@ -109,9 +134,18 @@ def _learn_doppler(estimate: Estimate, course: GpsCourse, measurement: Measureme
     estimate.learn(doppler_noise=noise.learned(square, predicted, claimed, NOISE_FACTOR_MIN))
 
 
-def _std_rad(estimate: Estimate, course: GpsCourse, rate_radps: float) -> float:
+def _timed(estimate: Estimate, course: GpsCourse) -> GpsCourse:
+    """A course that is told without a speed, with the one believed; a tracker's may be old."""
+    if course.speed_mps is not None:
+        return course
+    std_rad = max(course.std_rad or 0.0, UNTIMED_STD_RAD)
+    speed_mps = abs(estimate.filter.speed_mps)
+    return GpsCourse(course.t_ns, course.course_rad, std_rad, speed_mps, course.speed_std_mps)
+
+
+def _std_rad(estimate: Estimate, course: GpsCourse, speed_mps: float, rate_radps: float) -> float:
     """Doppler across the direction of travel, mounting, and what turning adds."""
-    tuning, speed_mps = estimate.tuning, course.speed_mps
+    tuning = estimate.tuning
     noise = math.sqrt(estimate.learned.doppler_noise.factor)
     doppler_rad = course.std_rad or course.speed_std_mps * noise / speed_mps
     turning_rad = rate_radps * (tuning.antenna_lever_m / speed_mps + tuning.gps_time_std_s)

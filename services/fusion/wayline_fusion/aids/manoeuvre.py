@@ -8,7 +8,8 @@ from wayline_fusion.filter.estimate import Estimate
 SHORTEST_S = 0.1
 """Wheel speeds may come faster, and from rest they begin with a jump."""
 LONGEST_S = 3.0
-"""After a longer silence nothing is known of the acceleration."""
+LONGEST_INTERVALS = 1.5
+"""After a silence longer than both nothing is known of the acceleration."""
 NOISE_STDS = 3.0
 """Of the speed's own noise, besides what tyres can do."""
 
@@ -29,7 +30,8 @@ def allow_manoeuvre(
     gained_mps = abs(float(measurement.y[0]))
     noise_mps = NOISE_STDS * math.sqrt(float(measurement.R[0, 0]))
     most_mps = estimate.tuning.acceleration_max_mps2 * over_s + noise_mps
-    if over_s > LONGEST_S or gained_mps > most_mps:
+    longest_s = max(LONGEST_S, LONGEST_INTERVALS * estimate.situation.fix_interval_s)
+    if over_s > longest_s or gained_mps > most_mps:
         return False
     estimate.filter.inflate_acceleration(gained_mps, over_s)
     return True

@@ -60,13 +60,16 @@ class Speed:
             self.evidence = SpeedEvidence()
             estimate.know(speed_accepted_ns=speed.t_ns)
         else:
-            self.evidence = SpeedEvidence(rejected(self.evidence.rejected, speed.t_ns))
+            streak, forgotten_ns = self.evidence.rejected, estimate.rejected_forgotten_ns
+            self.evidence = SpeedEvidence(
+                rejected(streak, speed.t_ns, forgotten_after_ns=forgotten_ns)
+            )
         return outcome
 
     def _doubt(self, estimate: Estimate, measurement: Measurement, t_ns: int) -> None:
         """Before an unlikely speed is rejected: what else it may mean."""
         kalman = estimate.filter
-        rejected_s = lasted_s(self.evidence.rejected, t_ns)
+        rejected_s = lasted_s(self.evidence.rejected, t_ns, estimate.rejected_forgotten_ns)
         if estimate.wheels_fresh:
             if rejected_s >= estimate.tuning.speed_relock_after_s:
                 kalman.inflate_position(float(measurement.y[0]) * rejected_s)

@@ -5,15 +5,20 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from wayline.tuning import Tuning
+from wayline_fusion.aids.alignment import Alignment
 from wayline_fusion.aids.clock_jump import ClockJump
 from wayline_fusion.aids.course import Course
+from wayline_fusion.aids.displacement import Displacement
 from wayline_fusion.aids.gyro_restart import GyroRestart
 from wayline_fusion.aids.gyro_wander import GyroWander
+from wayline_fusion.aids.gyro_warmth import GyroWarmth
 from wayline_fusion.aids.kept_pose import KeptPose
+from wayline_fusion.aids.long_way import LongWay
 from wayline_fusion.aids.manoeuvre import allow_manoeuvre
 from wayline_fusion.aids.position import Position
 from wayline_fusion.aids.rest import Rest
 from wayline_fusion.aids.speed import Speed
+from wayline_fusion.aids.unseen import allow_turn, allow_unseen
 from wayline_fusion.aids.wheels import Wheels
 from wayline_fusion.architectures.architecture import Motion, SensorErrors
 from wayline_fusion.filter.estimate import Aid, Estimate
@@ -25,11 +30,15 @@ from wayline_fusion.intake.events import (
     Elapsed,
     Event,
     Fix,
+    FixInterval,
+    FixSeen,
+    FixTaken,
     GpsCourse,
     GpsPosition,
     GpsSpeed,
     GyroCheck,
     GyroRestarted,
+    GyroWarmed,
     WheelSpeed,
 )
 
@@ -99,13 +108,17 @@ class Loose(Estimate):
 def aids() -> Mapping[type[Event], Aid]:
     """Fresh ones, by the event that each takes."""
     return {
+        FixInterval: LongWay(),
         Fix: KeptPose(),
         GpsSpeed: Speed(allow_manoeuvre),
-        GpsCourse: Course(),
+        GpsCourse: Course(allow_turn),
         GyroCheck: GyroWander(),
-        GpsPosition: Position(),
+        GpsPosition: Position(allow_unseen),
+        FixSeen: Alignment(),
+        FixTaken: Displacement(),
         WheelSpeed: Wheels(allow_manoeuvre),
         Elapsed: Rest(),
         GyroRestarted: GyroRestart(),
+        GyroWarmed: GyroWarmth(),
         ClockStep: ClockJump(),
     }

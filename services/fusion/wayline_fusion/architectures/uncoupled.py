@@ -116,7 +116,9 @@ class Uncoupled:
         walk_rad = math.radians(self._tuning.gyro_noise_deg_per_sqrt_s)
         rounding_rad = self._gyro_rounding_radps * math.sqrt(ROUNDING_CORRELATION_S)
         bias_walk = math.radians(self._tuning.gyro_bias_walk_degps_per_sqrt_s)
-        return DrivingNoise(math.hypot(walk_rad, rounding_rad), bias_walk)
+        return DrivingNoise(
+            math.hypot(walk_rad, rounding_rad), bias_walk, self._tuning.gps_error_time_s
+        )
 
     def _move_plane(self) -> None:
         x = self._filter.x

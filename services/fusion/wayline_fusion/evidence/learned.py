@@ -11,6 +11,9 @@ class Learned(msgspec.Struct, frozen=True):
 
     position_noise: NoiseScale = NoiseScale()
     """Of the white part of a receiver's positions."""
+    claim_factor: float = 1.0
+    """How much more than claimed fixes are off the way that gyro and wheels have reckoned, as a
+    factor of the std; 1 while courses are told."""
     doppler_noise: NoiseScale = NoiseScale()
     """Of a receiver's speeds and courses."""
     wander: BiasWander = BiasWander()

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import msgspec
 
+from wayline.agreement import FORGOTTEN_AFTER_NS
 from wayline.geo import wrap_360
 from wayline.grid import LONGEST_GAP_NS
 from wayline.likelihood import Measurement
@@ -24,8 +25,42 @@ WHEELS_FRESH_NS = 2_000_000_000
 """A wheel speed this old no longer says that the vehicle moves or stands."""
 ROUNDING_CORRELATION_S = 0.1
 """While driving, the rate goes through a coarse gyro's steps this fast."""
+FORGOTTEN_INTERVALS = 3.0
+"""Of a source's fixes."""
+UNSURE_HEADING_RAD = math.radians(20.0)
+"""A way in a direction as unsure is off by more than derivatives say."""
+REFLECTED_S = 30.0
+"""What fixes are off by more than they claim are reflections, which change along the street."""
+OFTEN_S = 5.0
+"""Between fixes that are enough for the shape of a way."""
+COURSE_HELD_S = 60.0
+"""A vehicle that stands for longer may have a course again, or not."""
 LONGEST_STEP_NS = 500_000_000
 SOUND_EVERY_NS = 1_000_000_000
+
+
+class Reckoned(NamedTuple):
+    """A way in a frame of its own, by what gyro and speed say; without a gyro it goes straight on.
+
+    The gyro's bias is left in it, so that a better one may be taken off all of it later.
+    """
+
+    east_m: float
+    north_m: float
+    heading_rad: float
+    """Clockwise from the frame's north."""
+    biased_s: float
+    """For how long the gyro's bias has turned it."""
+
+    def gone_on(self, rolled_m: float, turned_rad: float, biased_s: float) -> "Reckoned":
+        """So far, negative backwards, and turned clockwise meanwhile."""
+        middle_rad = self.heading_rad + 0.5 * turned_rad
+        return Reckoned(
+            self.east_m + rolled_m * math.sin(middle_rad),
+            self.north_m + rolled_m * math.cos(middle_rad),
+            self.heading_rad + turned_rad,
+            self.biased_s + biased_s,
+        )
 
 
 class Snapshot(msgspec.Struct, frozen=True, gc=False):
@@ -33,6 +68,7 @@ class Snapshot(msgspec.Struct, frozen=True, gc=False):
 
     t_ns: int
     distance_m: float
+    reckoned: Reckoned
     x: Floats
     P: Floats
     situation: Situation
@@ -59,6 +95,12 @@ Manoeuvre = Callable[["Estimate", Measurement, int, int | None], bool]
 """Whether an unlikely speed at an instant can have become of one believed at an earlier instant."""
 
 
+Unseen = Callable[["Estimate", Measurement], bool]
+"""Whether motion that no sensor tells can have led to an unlikely position."""
+Turn = Callable[["Estimate", float, float, int | None], bool]
+"""Whether a vehicle at a speed (m/s) can have turned so far (rad) since an earlier instant."""
+
+
 class Estimate:
     """Position, heading, speed and the errors of gyro and odometer."""
 
@@ -71,6 +113,8 @@ class Estimate:
         """What is believed is believed of this instant; 0 before the first event."""
         self.distance_m = 0.0
         """Travelled since the start."""
+        self.reckoned = Reckoned(0.0, 0.0, 0.0, 0.0)
+        """The way since the start by turns and speed: no fix moves or turns it."""
         self.situation = Situation()
         self.learned = Learned()
         self.tuning = tuning
@@ -79,8 +123,8 @@ class Estimate:
         self._aids = tuple(aids.values())
         self._turn_noise = math.radians(tuning.gyro_noise_deg_per_sqrt_s)
         self._bias_walk = math.radians(tuning.gyro_bias_walk_degps_per_sqrt_s)
-        self._noise_of = (math.nan, math.nan)
-        self._noise = DrivingNoise(self._turn_noise, self._bias_walk)
+        self._noise_of = (math.nan, math.nan, math.nan)
+        self._noise = DrivingNoise(self._turn_noise, self._bias_walk, tuning.gps_error_time_s)
         self._evidence: tuple[Any, ...] | None = None
         self._fresh = self._all_evidence()
         self._sound = self.snapshot()
@@ -109,6 +153,7 @@ class Estimate:
         return Snapshot(
             self.t_ns,
             self.distance_m,
+            self.reckoned,
             kalman.x,
             kalman.P,
             self.situation,
@@ -119,6 +164,7 @@ class Estimate:
     def restore(self, snapshot: Snapshot) -> None:
         """Set everything back to a snapshot."""
         self.t_ns, self.distance_m = snapshot.t_ns, snapshot.distance_m
+        self.reckoned = snapshot.reckoned
         self.filter.x, self.filter.P = snapshot.x.copy(), snapshot.P.copy()
         self.situation, self.learned = snapshot.situation, snapshot.learned
         self._remind(snapshot.evidence)
@@ -155,6 +201,43 @@ class Estimate:
         return wheels_ns is not None and self.t_ns - wheels_ns <= WHEELS_FRESH_NS
 
     @property
+    def motion_told(self) -> bool:
+        """Whether a gyro tells the turns, and wheels or receiver the speed."""
+        return self.gyro.covers(self.t_ns) and (self.wheels_fresh or self.speeds_told)
+
+    def way_reckoned(self, *, tells_speed: bool) -> bool:
+        """Whether the way from fix to fix is told by gyro and speed, and by no courses.
+
+        Fixes that come seldom are too few for its shape.
+        """
+        if self.courses_told or self.situation.fix_interval_s > OFTEN_S:
+            return False
+        return (self.wheels_fresh or tells_speed) and self.gyro.covers(self.t_ns)
+
+    @property
+    def speeds_told(self) -> bool:
+        """Whether the receiver tells speeds that are believed."""
+        told_ns = self.situation.speed_accepted_ns
+        told_s = max(COURSE_HELD_S, FORGOTTEN_INTERVALS * self.situation.fix_interval_s)
+        return told_ns is not None and self.t_ns - told_ns <= told_s * 1e9
+
+    @property
+    def courses_told(self) -> bool:
+        """Whether courses hold the heading; otherwise nothing but the positions does."""
+        course = self.situation.course
+        if course is None:
+            return False
+        told_s = max(COURSE_HELD_S, FORGOTTEN_INTERVALS * self.situation.fix_interval_s)
+        return self.t_ns - course.t_ns <= told_s * 1e9
+
+    @property
+    def rejected_forgotten_ns(self) -> int:
+        """A rejected part of a fix tells nothing of one that comes so much later."""
+        return max(
+            FORGOTTEN_AFTER_NS, round(FORGOTTEN_INTERVALS * self.situation.fix_interval_s * 1e9)
+        )
+
+    @property
     def located(self) -> bool:
         """Whether position and heading are known."""
         return self.situation.plane is not None and self.situation.heading_known
@@ -180,11 +263,14 @@ class Estimate:
 
     def driving_noise(self) -> DrivingNoise:
         """What is known of this gyro, learned or configured."""
-        steps, wander = self.gyro_rounding_radps, self.learned.wander.factor
-        if self._noise_of != (steps, wander):
-            self._noise_of = (steps, wander)
+        steps, learned = self.gyro_rounding_radps, self.learned
+        known = steps, learned.wander.factor, learned.claim_factor
+        if self._noise_of != known:
+            self._noise_of = known
             turn_noise = math.hypot(self._turn_noise, steps * math.sqrt(ROUNDING_CORRELATION_S))
-            self._noise = DrivingNoise(turn_noise, self._bias_walk * math.sqrt(wander))
+            alike_s = max(self.tuning.gps_error_time_s / learned.claim_factor, REFLECTED_S)
+            bias_walk = self._bias_walk * math.sqrt(learned.wander.factor)
+            self._noise = DrivingNoise(turn_noise, bias_walk, alike_s)
         return self._noise
 
     def correct(self, measurement: Measurement) -> None:
@@ -225,7 +311,13 @@ class Estimate:
             turn_rad = self.gyro.turned_rad(from_ns, to_ns)
             speed_mps = kalman.speed_mps
             kalman.advance(dt_s, turn_rad, noise, standing=standing)
-            self.distance_m += 0.5 * abs(speed_mps + kalman.speed_mps) * dt_s
+            rolled_m = 0.5 * (speed_mps + kalman.speed_mps) * dt_s
+            self.distance_m += abs(rolled_m)
+            if turn_rad is None or standing:
+                self.reckoned = self.reckoned.gone_on(rolled_m, 0.0, 0.0)
+            else:
+                turned_rad = kalman.x.item(States.GYRO_SCALE) * turn_rad
+                self.reckoned = self.reckoned.gone_on(rolled_m, turned_rad, dt_s)
             from_ns = to_ns
         self.t_ns = t_ns
         x = kalman.x

@@ -27,10 +27,15 @@ S = States
 
 OF_MOTION = (S.EAST, S.NORTH, S.HEADING, S.WHEEL_SPEED, S.ACCELERATION, S.GPS_EAST, S.GPS_NORTH)
 """All but the sensors' calibration."""
+OF_RECKONING = (S.EAST, S.NORTH, S.HEADING, S.GYRO_BIAS)
 SPEED_UNKNOWN_MPS = 40.0
 """Std of a speed that may be any."""
 SCALE_UNKNOWN = 0.2
 """Of other tyres, or of a speed in a unit that was guessed."""
+SURE_HEADING_RAD2 = math.radians(6.0) ** 2
+"""Where a heading is as sure, what is across it is a hundredth of what is along it."""
+TURNING_RADIUS_M = 6.0
+"""Of a car's tightest turn."""
 STANDING_MPS_PER_SQRT_S = 0.05
 """What is left to the speed of a vehicle that stands."""
 
@@ -41,6 +46,8 @@ class DrivingNoise(NamedTuple):
     turn_rad_per_sqrt_s: float
     bias_walk: float
     """Of the gyro bias, rad/s per root s."""
+    fix_error_time_s: float
+    """For so long fixes are wrong alike."""
 
 
 class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
@@ -111,12 +118,14 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         F[S.EAST, S.ACCELERATION] = by_acceleration * sin
         F[S.NORTH, S.ACCELERATION] = by_acceleration * cos
         F[S.WHEEL_SPEED, S.ACCELERATION], F[S.ACCELERATION, S.ACCELERATION] = gain_s, lasting
-        kept = math.exp(-dt_s / self._tuning.gps_error_time_s)
+        kept = math.exp(-dt_s / noise.fix_error_time_s)
         F[S.GPS_EAST, S.GPS_EAST] = F[S.GPS_NORTH, S.GPS_NORTH] = kept
         self.Q[S.GPS_EAST, S.GPS_EAST] = self.Q[S.GPS_NORTH, S.GPS_NORTH] = 1.0 - kept**2
         self._set_noise(dt_s, noise, gyro=turn_rad is not None, standing=standing)
         self._set_acceleration_noise(dt_s, lasting, standing=standing)
+        before_m2 = self._position_m2()
         self.predict()
+        self._turn_growth(self._position_m2() - before_m2)
         # the state itself moves by the model, not by its linearisation
         x[S.EAST] += moved * sin
         x[S.NORTH] += moved * cos
@@ -126,6 +135,24 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         x[S.GPS_NORTH] *= kept
         self.x = np.array(x)
 
+    def _position_m2(self) -> float:
+        """Variance of the position, both axes."""
+        variance: float = self.P.item(S.EAST, S.EAST) + self.P.item(S.NORTH, S.NORTH)
+        return variance
+
+    def _turn_growth(self, grown_m2: float) -> None:
+        """What doubt of the speed has added to the position may lie across an unsure heading.
+
+        A linear model has it along the heading alone: from rest it would be sure to go straight on.
+        This is the second-order term, E[sin^2] of a normally distributed angle.
+        """
+        heading_rad2 = self.P.item(S.HEADING, S.HEADING)
+        if heading_rad2 < SURE_HEADING_RAD2 or grown_m2 <= 0.0:
+            return
+        across_m2 = 0.5 * (1.0 - math.exp(-2.0 * heading_rad2)) * grown_m2
+        self.P[S.EAST, S.EAST] += across_m2
+        self.P[S.NORTH, S.NORTH] += across_m2
+
     def _set_noise(self, dt_s: float, noise: DrivingNoise, *, gyro: bool, standing: bool) -> None:
         # a view of the diagonal, made anew: a copy of the filter would keep a view of the old Q
         tuning, variances = self._tuning, self.Q.reshape(-1)[:: SIZE + 1]
@@ -133,18 +160,18 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
             position_mps2, heading = 0.0, 0.0
         else:
             position_mps2 = tuning.position_noise_m_per_sqrt_s**2
-            heading = noise.turn_rad_per_sqrt_s if gyro else self._turn_rad_per_sqrt_s()
+            heading = noise.turn_rad_per_sqrt_s if gyro else self.turn_rad_per_sqrt_s()
         variances[S.EAST] = variances[S.NORTH] = position_mps2 * dt_s
         variances[S.HEADING] = heading**2 * dt_s
         variances[S.GYRO_BIAS] = noise.bias_walk**2 * dt_s
         variances[S.GYRO_SCALE] = tuning.gyro_scale_walk_per_sqrt_s**2 * dt_s
         variances[S.ODOMETER_SCALE] = tuning.odometer_scale_walk_per_sqrt_s**2 * dt_s
 
-    def _turn_rad_per_sqrt_s(self) -> float:
-        """Without a gyro: what a wheel can be turned by, and at speed what passengers bear."""
-        tuning, fastest_mps = self._tuning, abs(self.speed_mps) + self.speed_std_mps
-        slow = math.radians(tuning.turn_noise_deg_per_sqrt_s)
-        return min(slow, tuning.lateral_acceleration_std_mps2 / max(fastest_mps, 0.1))
+    def turn_rad_per_sqrt_s(self) -> float:
+        """Without a gyro: what steering and the way allow, and at speed what passengers bear."""
+        tuning, fastest_mps = self._tuning, max(abs(self.speed_mps) + self.speed_std_mps, 0.1)
+        slow = min(math.radians(tuning.turn_noise_deg_per_sqrt_s), fastest_mps / TURNING_RADIUS_M)
+        return min(slow, tuning.lateral_acceleration_std_mps2 / fastest_mps)
 
     def _set_acceleration_noise(self, dt_s: float, lasting: float, *, standing: bool) -> None:
         """Of the acceleration, and of the speed that it makes."""
@@ -216,10 +243,18 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def reset_heading(self, heading_rad: float, std_rad: float) -> None:
         """Set the heading, forgetting what it was."""
+        self._reset_value(S.HEADING, wrap_pi(heading_rad), std_rad)
+
+    def reset_reckoning(
+        self, values: tuple[float, float, float, float], covariance: Floats
+    ) -> None:
+        """Set east, north, heading and gyro bias, forgetting what they were."""
         self.x, self.P = self.x.copy(), self.P.copy()
-        self.x[S.HEADING] = wrap_pi(heading_rad)
-        self.P[S.HEADING, :] = self.P[:, S.HEADING] = 0.0
-        self.P[S.HEADING, S.HEADING] = std_rad**2
+        for state, value in zip(OF_RECKONING, values, strict=True):
+            self.x[state] = value
+            self.P[state, :] = self.P[:, state] = 0.0
+        self.x[S.HEADING] = wrap_pi(self.x.item(S.HEADING))
+        self.P[np.ix_(OF_RECKONING, OF_RECKONING)] = covariance
 
     def reset_motion(self) -> None:
         """Forget position, heading, speed and the fixes' error; keep the sensors' calibration."""
@@ -232,10 +267,15 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def reset_speed(self) -> None:
         """Forget the speed: noise has made it negative, and no wheel has said reverse."""
-        self.x, self.P = self.x.copy(), self.P.copy()
-        self.x[S.WHEEL_SPEED] = 0.0
-        self.P[S.WHEEL_SPEED, :] = self.P[:, S.WHEEL_SPEED] = 0.0
-        self.P[S.WHEEL_SPEED, S.WHEEL_SPEED] = self._tuning.acceleration_noise_mps_per_sqrt_s**2
+        self._reset_value(S.WHEEL_SPEED, 0.0, self._tuning.acceleration_noise_mps_per_sqrt_s)
+
+    def mirror(self) -> None:
+        """Turn the heading round and change the speed's sign: the same motion, told forwards."""
+        sign = np.ones(SIZE)
+        sign[[S.WHEEL_SPEED, S.ACCELERATION]] = -1.0
+        self.x = sign * self.x
+        self.x[S.HEADING] = wrap_pi(float(self.x[S.HEADING]) + math.pi)
+        self.P = self.P * np.outer(sign, sign)
 
     def reset_wheel_speed(self, speed_mps: float, std_mps: float, *, is_over_ground: bool) -> None:
         """Set the wheel speed; one that was measured over ground is off by the wheels' scale."""
@@ -257,10 +297,12 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def reset_scale(self, wheels_mps: float, std: float) -> None:
         """Set the odometer's scale to what makes the speed of a wheel speed that comes next."""
-        scale = abs(self.speed_mps / wheels_mps)
-        self.reset_std(S.ODOMETER_SCALE, std)
+        self._reset_value(S.ODOMETER_SCALE, abs(self.speed_mps / wheels_mps), std)
+
+    def _reset_value(self, state: int, value: float, std: float) -> None:
+        self.reset_std(state, std)
         self.x = self.x.copy()
-        self.x[S.ODOMETER_SCALE] = scale
+        self.x[state] = value
 
     def reset_std(self, state: int, std: float) -> None:
         """Keep a state's value, trust it so much, and forget what it has to do with others."""
@@ -268,11 +310,44 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
         self.P[state, :] = self.P[:, state] = 0.0
         self.P[state, state] = std**2
 
+    def inflate_std(self, state: int, std: float) -> None:
+        """Doubt one state by so much more, and keep what it has to do with others."""
+        self.P = self.P.copy()
+        self.P[state, state] += std**2
+
     def inflate_position(self, std_m: float) -> None:
         """Doubt the position: dead reckoning has gone astray by about so much."""
+        self.inflate_std(S.EAST, std_m)
+        self.inflate_std(S.NORTH, std_m)
+
+    def reset_way(self) -> None:
+        """Forget what the position has to do with how the vehicle has come there; keep its std.
+
+        Over a way in directions that are not known, a wrong heading bends it and a wrong speed
+        stretches it by more than their derivatives say.
+        """
         self.P = self.P.copy()
-        self.P[S.EAST, S.EAST] += std_m**2
-        self.P[S.NORTH, S.NORTH] += std_m**2
+        for state in (S.EAST, S.NORTH):
+            variance = self.P[state, state]
+            self.P[state, :] = self.P[:, state] = 0.0
+            self.P[state, state] = variance
+
+    def inflate_turn(self, turned_rad: float, over_s: float) -> None:
+        """Doubt the heading: the vehicle may have turned so far at an even rate."""
+        heading_rad, way_m = float(self.x[S.HEADING]), abs(self.speed_mps) * over_s
+        made = np.zeros(SIZE)
+        made[S.HEADING] = turned_rad
+        made[S.EAST] = 0.5 * way_m * turned_rad * math.cos(heading_rad)
+        made[S.NORTH] = -0.5 * way_m * turned_rad * math.sin(heading_rad)
+        self.P = self.P + np.outer(made, made)
+
+    def inflate_arc(self, turned_rad: float, over_s: float) -> None:
+        """Doubt the position: an even turn has made an arc of a way that was reckoned straight.
+
+        An arc is shorter than its tangent: sin(a) / a = 1 - a^2 / 6 + ...
+        """
+        way_m = abs(self.speed_mps) * over_s
+        self.inflate_position(way_m * min(turned_rad**2 / 6.0, 1.0))
 
     def recentre(self, turn_rad: float) -> None:
         """Move the plane's origin under the vehicle; headings gain `turn_rad` in the new plane."""

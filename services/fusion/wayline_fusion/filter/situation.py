@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import msgspec
 
+from wayline.cadence import UNKNOWN_S
 from wayline.geo import LocalPlane
 
 
@@ -27,6 +28,10 @@ class Situation(msgspec.Struct, frozen=True):
     placed_ns: int | None = None
     """When the position was last set to a fix, not corrected with one."""
     accepted_fix_ns: int | None = None
+    fix_interval_s: float = UNKNOWN_S
+    """Between fixes, as their source usually tells them."""
+    way_unknown_ns: int | None = None
+    """Of the last fix before which the way there was given up."""
     speed_accepted_ns: int | None = None
     """Of the last speed of a fix that was believed."""
     course: TakenCourse | None = None

@@ -21,6 +21,13 @@ class WheelSpeed(msgspec.Struct, frozen=True, gc=False):
     std_mps: float
 
 
+class FixInterval(msgspec.Struct, frozen=True, gc=False):
+    """A fix is about to be used, of a source that usually tells one in so many seconds."""
+
+    t_ns: int
+    usual_s: float
+
+
 class Fix(msgspec.Struct, frozen=True, gc=False):
     """A valid fix as a whole; stds are one sigma of its total error, position per axis."""
 
@@ -36,7 +43,8 @@ class Fix(msgspec.Struct, frozen=True, gc=False):
     is_good: bool = True
     """By satellites and PDOP (papers/003)."""
     speed_derived: bool = False
-    """From positions, not by Doppler."""
+    """From positions, not by Doppler; the course too, unless it is told."""
+    course_told: bool = True
 
 
 class GpsSpeed(msgspec.Struct, frozen=True, gc=False):
@@ -48,13 +56,13 @@ class GpsSpeed(msgspec.Struct, frozen=True, gc=False):
 
 
 class GpsCourse(msgspec.Struct, frozen=True, gc=False):
-    """Course over ground of a fix, with the speed that it was measured at."""
+    """Course over ground of a fix, with the speed that it was measured at where that is told."""
 
     t_ns: int
     course_rad: float
     std_rad: float | None
     """None: from the speed's std."""
-    speed_mps: float
+    speed_mps: float | None
     speed_std_mps: float
 
 
@@ -71,6 +79,27 @@ class GpsPosition(msgspec.Struct, frozen=True, gc=False):
     lat_deg: float
     lon_deg: float
     std_m: float
+    is_good: bool = True
+
+
+class FixSeen(msgspec.Struct, frozen=True, gc=False):
+    """A position, believed or not, that lies somewhere along the reckoned way."""
+
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
+    std_m: float
+    tells_speed: bool
+
+
+class FixTaken(msgspec.Struct, frozen=True, gc=False):
+    """A position has been tried, and can be held against those before."""
+
+    t_ns: int
+    lat_deg: float
+    lon_deg: float
+    std_m: float
+    tells_speed: bool
 
 
 class GpsAltitude(msgspec.Struct, frozen=True, gc=False):
@@ -99,6 +128,13 @@ class GyroRestarted(msgspec.Struct, frozen=True, gc=False):
     warmer_c: float
 
 
+class GyroWarmed(msgspec.Struct, frozen=True, gc=False):
+    """Under way the gyro has become so much warmer, or colder."""
+
+    t_ns: int
+    warmer_c: float
+
+
 class ClockStep(msgspec.Struct, frozen=True, gc=False):
     """All sensors' time has jumped: the vehicle drove for so much less or more than it says."""
 
@@ -109,14 +145,18 @@ class ClockStep(msgspec.Struct, frozen=True, gc=False):
 Event = (
     Elapsed
     | WheelSpeed
+    | FixInterval
     | Fix
     | GpsSpeed
     | GpsCourse
     | GyroCheck
     | GpsPosition
+    | FixSeen
+    | FixTaken
     | GpsAltitude
     | Pressure
     | GyroRestarted
+    | GyroWarmed
     | ClockStep
 )
 
@@ -124,15 +164,24 @@ Event = (
 def parts_of(fix: Fix) -> tuple[Event, ...]:
     """A fix and its parts in the order in which they are used.
 
-    Speed and course come first: walls that displace a position by metres leave Doppler alone.
+    Speed and course come first: walls that displace a position by metres leave Doppler alone. A
+    course without a speed comes last: where the fixes have moved tells whether it means anything.
     """
-    position = GpsPosition(fix.t_ns, fix.lat_deg, fix.lon_deg, fix.position_std_m)
-    if fix.speed_mps is None:
-        return fix, position
-    speed = GpsSpeed(fix.t_ns, fix.speed_mps, fix.speed_std_mps)
-    if fix.course_rad is None:
-        return fix, speed, position
-    course = GpsCourse(
-        fix.t_ns, fix.course_rad, fix.course_std_rad, fix.speed_mps, fix.speed_std_mps
+    t_ns, std_m = fix.t_ns, fix.position_std_m
+    tells_speed = fix.speed_mps is not None and not fix.speed_derived
+    place: tuple[Event, ...] = (
+        GpsPosition(t_ns, fix.lat_deg, fix.lon_deg, std_m, fix.is_good),
+        FixSeen(t_ns, fix.lat_deg, fix.lon_deg, std_m, tells_speed),
+        FixTaken(t_ns, fix.lat_deg, fix.lon_deg, std_m, tells_speed),
     )
-    return fix, speed, course, GyroCheck(fix.t_ns), position
+    if fix.speed_mps is None or not tells_speed:
+        return (fix, *place, *_course(fix, None))
+    speed = GpsSpeed(t_ns, fix.speed_mps, fix.speed_std_mps)
+    return (fix, speed, *_course(fix, fix.speed_mps), *place)
+
+
+def _course(fix: Fix, speed_mps: float | None) -> tuple[Event, ...]:
+    if fix.course_rad is None or not fix.course_told:
+        return ()
+    course = GpsCourse(fix.t_ns, fix.course_rad, fix.course_std_rad, speed_mps, fix.speed_std_mps)
+    return course, GyroCheck(fix.t_ns)

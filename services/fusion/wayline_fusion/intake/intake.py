@@ -4,6 +4,7 @@ import math
 from typing import Protocol
 
 from wayline.air import metres_per_pascal, pressure_altitude_m
+from wayline.cadence import Cadence
 from wayline.gps_quality import altitude_std_m, has_altitude, horizontal_std_m, is_good
 from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer
 from wayline.resolution import PRESSURE_UNIT_PA, Resolution
@@ -14,7 +15,9 @@ from wayline_fusion.intake.events import (
     ClockStep,
     Event,
     Fix,
+    FixInterval,
     GpsAltitude,
+    GyroWarmed,
     Pressure,
     WheelSpeed,
     parts_of,
@@ -22,6 +25,7 @@ from wayline_fusion.intake.events import (
 from wayline_fusion.intake.fix_velocity import FixVelocity
 from wayline_fusion.intake.plausibility import Plausibility, within_reason
 from wayline_fusion.intake.told import Told
+from wayline_fusion.intake.warmth import Warmth
 
 SENSORS: dict[type[Message], str] = {
     Barometer: "barometer",
@@ -59,6 +63,8 @@ class Intake:
         """Of the newest reading of gyro or wheels."""
         self.fix_ns: int | None = None
         """Of the newest valid fix."""
+        self.cadence = Cadence()
+        """Of the valid fixes, whichever receiver they come from."""
         self._clock_steps = ClockSteps()
         self.step_of_clock_s = self._clock_steps.step_s
         """How far the clock has stepped before a message; asked of every message, and first."""
@@ -68,6 +74,7 @@ class Intake:
         self._wheel_steps = Resolution(1e-4)
         self._rate_steps = Resolution(1e-4)
         self._pressure_steps = Resolution(PRESSURE_UNIT_PA)
+        self._warmth = Warmth()
         self._reverse = False
 
     @property
@@ -95,6 +102,10 @@ class Intake:
             rounding_degps = min(steps.std, GYRO_ROUNDING_MAX_DEGPS)
             self._estimator.know_gyro_steps(math.radians(rounding_degps))
         self._take_gyro(gyro.t_ns, math.radians(rate_degps))
+
+    def warmed(self, gyro: Gyro) -> GyroWarmed | None:
+        """What a gyro's message tells of its warmth."""
+        return self._warmth.change(gyro)
 
     def wheel_speed(self, odometer: Odometer) -> WheelSpeed | None:
         """What an odometer's message tells of the speed."""
@@ -127,7 +138,9 @@ class Intake:
         if not fix.valid or fix.lat_deg is None or fix.lon_deg is None:
             return ()
         self.fix_ns = fix.t_ns
-        parts = parts_of(self._with_velocity(fix, fix.lat_deg, fix.lon_deg))
+        self.cadence = self.cadence.noticed(fix.t_ns)
+        interval = FixInterval(fix.t_ns, self.cadence.usual_s)
+        parts = interval, *parts_of(self._with_velocity(fix, fix.lat_deg, fix.lon_deg))
         altitude = self._altitude(fix, source)
         return parts if altitude is None else (*parts, altitude)
 
@@ -159,6 +172,7 @@ class Intake:
             None if course_std_deg is None else math.radians(course_std_deg),
             is_good=is_good(fix, self._tuning),
             speed_derived=fix.speed_derived or fix.speed_mps is None,
+            course_told=fix.course_deg is not None,
         )
 
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import msgspec
 import sqlalchemy as sa
@@ -39,6 +40,50 @@ class FusionStore:
             row = connection.execute(query).mappings().first()
         # SQLAlchemy's names are strings of a kind that msgspec does not take
         return None if row is None else _saved({str(name): value for name, value in row.items()})
+
+
+class Found(NamedTuple):
+    """What there was of a vehicle in a database that could be asked."""
+
+    saved: Saved | None
+
+
+class FusionTables:
+    """Every vehicle's row, for a `PatientStore`.
+
+    `told` are the vehicles whose cores know what was kept of them. Another one's began without it,
+    because the database was away: what is kept stays until what was learned anew is as sure.
+    """
+
+    def __init__(self, engine: sa.Engine, told: set[str]) -> None:
+        self._engine, self._told = engine, told
+
+    def load(self, vehicle_id: str) -> Found:
+        """What was kept of a vehicle, for its core."""
+        return Found(FusionStore(self._engine, vehicle_id).load())
+
+    def save(self, vehicle_id: str, record: Record) -> Sequence[msgspec.Struct]:
+        """Keep what is known of a vehicle; there is no answer."""
+        store = FusionStore(self._engine, vehicle_id)
+        if vehicle_id not in self._told and isinstance(record, Saved):
+            record = _with_surer_calibration(record, store.load())
+        return store.save(record)
+
+    def look(self) -> Sequence[msgspec.Struct]:
+        """Nothing: no other process writes of these vehicles."""
+        return ()
+
+
+def _with_surer_calibration(learned: Saved, kept: Saved | None) -> Saved:
+    if kept is None:
+        return learned
+    new, old = learned.calibration, kept.calibration
+    is_as_sure = (
+        new.gyro_bias_std_degps <= old.gyro_bias_std_degps
+        and new.gyro_scale_std <= old.gyro_scale_std
+        and new.odometer_scale_std <= old.odometer_scale_std
+    )
+    return learned if is_as_sure else msgspec.structs.replace(learned, calibration=old)
 
 
 def _row(saved: Saved) -> dict[str, object]:
