@@ -11,6 +11,7 @@ import pytest
 
 from besieged import Besieged, Bus
 from lasting import MINUTES, lasting_s
+from wayline_cli.local_system import LocalSystem
 
 log = logging.getLogger(__name__)
 
@@ -20,12 +21,13 @@ MISSED_MAX = 1
 WAIT_S = 60.0
 
 
-def flood(besieged: Besieged, name: str, seconds: float, rate_hz: float, size: int) -> None:
-    endpoint = besieged.system.bus.connect[0]
+def flood(system: LocalSystem, name: str, seconds: float, rate_hz: float, size: int) -> None:
+    """Start a program that floods a bus as a vehicle of that name."""
+    endpoint = system.bus.connect[0]
     arguments = (endpoint, name, str(seconds), str(rate_hz), str(size))
     path = f"PYTHONPATH={os.pathsep.join(map(str, (FLOODER.parent,)))}"
     command = ("env", path, sys.executable, str(FLOODER), *arguments)
-    besieged.system.start_command(name, command)
+    system.start_command(name, command)
 
 
 LONG = pytest.mark.skipif(not MINUTES, reason="long: scripts/siege flood")
@@ -47,7 +49,7 @@ def test_a_flood_costs_nobody_else_a_message(
     started_ns, started = time.time_ns(), len(bus.sent)
     names = [f"flood-{number}" for number in range(len(floods))]
     for name, (rate_hz, size) in zip(names, floods, strict=True):
-        flood(besieged, name, seconds, rate_hz, size)
+        flood(besieged.system, name, seconds, rate_hz, size)
     for name in names:
         assert besieged.system.await_end(name, seconds + WAIT_S) == 0
     bus.await_known()
