@@ -7,22 +7,30 @@ from pathlib import Path
 
 import pytest
 
+from integration.test_buses import DBC, GROUP, TABLE, Sender, multicast_is_there
 from lasting import MINUTES
 from outlets import Talker, TcpOutlet
 from street import VEHICLE, write_route
 from wayline.bus import open_session
-from wayline_cli.listener import Listener
-from wayline_cli.local_system import LocalSystem
+from wayline.messages import Pose
+from wayline_cli.listener import Heard, Listener
+from wayline_cli.local_system import LocalSystem, free_ports
 
-SERVICES = ("gps-ingest", "fusion", "eta")
+SERVICES = ("gps-ingest", "can-ingest", "fusion", "eta")
 LIBRARIES = [
     str(path) for path in Path("/usr/lib").glob("*/faketime/libfaketimeMT.so.1") if path.is_file()
 ]
 WAIT_S = 40.0
+NOW_NS = 5e9
 
-pytestmark = pytest.mark.skipif(
-    not LIBRARIES, reason="no libfaketime (Debian: apt-get install libfaketime)"
-)
+pytestmark = [
+    pytest.mark.skipif(
+        not LIBRARIES, reason="no libfaketime (Debian: apt-get install libfaketime)"
+    ),
+    pytest.mark.skipif(
+        not multicast_is_there(), reason="no multicast: python-can's udp_multicast is the bus here"
+    ),
+]
 
 
 @pytest.fixture
@@ -32,6 +40,8 @@ def hears(tmp_path: Path, clock: str) -> Iterator[Listener]:
         outlet = TcpOutlet()
         stack.callback(outlet.close)
         stack.callback(Talker(outlet.write).close)
+        sender = Sender(*free_ports(1))
+        stack.callback(sender.close)
         system = stack.enter_context(
             LocalSystem(
                 tmp_path,
@@ -40,8 +50,10 @@ def hears(tmp_path: Path, clock: str) -> Iterator[Listener]:
                 database_url=f"sqlite:///{tmp_path / 'wayline.db'}",
             )
         )
+        (tmp_path / "wheels.dbc").write_text(DBC)
         with system.config.open("a") as config:
             config.write(f'[[nmea]]\nurl = "tcp://127.0.0.1:{outlet.port}"\n')
+            config.write(TABLE.format(group=GROUP, port=sender.port))
         system.start_router()
         faked = (
             "env",
@@ -53,7 +65,7 @@ def hears(tmp_path: Path, clock: str) -> Iterator[Listener]:
             command = (*system.command(service), "--config", str(system.config))
             system.start_command(service, (*faked, *command))
         session = stack.enter_context(open_session(system.bus))
-        listener = Listener(session, VEHICLE, ("gps_fix", "pose", "health"))
+        listener = Listener(session, VEHICLE, ("odometer", "pose", "health"))
         stack.callback(listener.close)
         listener.await_alive(*SERVICES, timeout_s=WAIT_S)
         yield listener
@@ -63,12 +75,25 @@ def hears(tmp_path: Path, clock: str) -> Iterator[Listener]:
 LONG = pytest.mark.skipif(not MINUTES, reason="long: scripts/siege time")
 
 
+def is_of_now(heard: Heard) -> bool:
+    """Whether a message has the true time."""
+    return abs(heard.message.t_ns - time.time_ns()) < NOW_NS
+
+
+def is_fused(heard: Heard) -> bool:
+    """Whether a pose comes of the wheels as well."""
+    return isinstance(heard.message, Pose) and heard.message.mode == "fused"
+
+
 @pytest.mark.parametrize(
     "clock",
     ["@1970-01-01 00:01:00", pytest.param("-1h", marks=LONG), pytest.param("+1h", marks=LONG)],
 )
 def test_poses_have_the_receivers_time_whatever_the_computers(hears: Listener, clock: str) -> None:
-    heard = hears.await_message("pose", lambda each: each.message.t_ns > 0, timeout_s=WAIT_S)
-    assert abs(heard.message.t_ns - time.time_ns()) < 5e9
+    heard = hears.await_message("pose", is_of_now, timeout_s=WAIT_S)
+    assert heard.source == "fusion"
+    if "1970" in clock:
+        hears.await_message("odometer", is_of_now, timeout_s=WAIT_S)
+        hears.await_message("pose", is_fused, timeout_s=WAIT_S)
     health = hears.await_message("health", lambda each: each.source == "fusion", timeout_s=WAIT_S)
     assert abs(health.message.t_ns - time.time_ns()) > 3_000e9
