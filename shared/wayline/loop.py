@@ -9,42 +9,36 @@ import contextlib
 import logging
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager
 
 import msgspec
 import zenoh
 
-from wayline import __version__
 from wayline.attendance import Attendance
 from wayline.bus import Publishers, Subscription
 from wayline.codec import decode, encode
+from wayline.condition import Condition
 from wayline.ending import Ending
 from wayline.host_clock import told_ns
 from wayline.http import Healthz
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
 from wayline.keys import FLEET, Key, alive_key, parse_alive_key, parse_key
-from wayline.messages import Health, Message, Missing
+from wayline.messages import Health, Message
 from wayline.playback import Played
 from wayline.queryable import replier
-from wayline.readiness import Hearing, Lack, Readiness
 from wayline.receipts import Receipts
-from wayline.rfc3339 import rfc3339
 from wayline.seats import Seat, Seats
 from wayline.service import Feed, Service
 from wayline.settings import EVERY_VEHICLE, Settings
-from wayline.telemetry import Telemetry, joined
+from wayline.telemetry import Telemetry
 from wayline.view import Receipt
 
 POLL_S = 0.05
 HEALTH_S = 1.0
 QUIET_S = 30.0
 """A vehicle that is not heard so long has no publishers, whose heartbeats would go on."""
-STUCK_S = 10.0
-"""A loop that has not turned this long is not well."""
-
-STARTING = (Missing(subject="service", what="starting", since_ns=told_ns()),)
 
 log = logging.getLogger("wayline")
 
@@ -74,12 +68,9 @@ class Loop:
         self._telemetry = telemetry or Telemetry(
             service.name, told_ns(), time.monotonic(), recorded=service.is_recorded
         )
-        self._hearing = Hearing()
-        self._readiness = Readiness()
+        self._condition = Condition(service, settings, session, self._inbox, self._telemetry)
         self._publishers = Publishers(session)
-        self._turned_s = self._looked_s = time.monotonic()
-        self._health: Health | None = None
-        self._last_drop_count = 0
+        self._looked_s = time.monotonic()
 
     def run(self) -> None:
         """Serve until told to stop, then finish what is open.
@@ -91,7 +82,8 @@ class Loop:
             next_health_s = time.monotonic()
             while not (self._ending.requested or self._ended.is_set()):
                 item = self._inbox.get(POLL_S)
-                now_s = self._turned_s = time.monotonic()
+                now_s = time.monotonic()
+                self._condition.turn(now_s)
                 if item is not None:
                     self._take(item, now_s)
                 self._let_time_pass(now_s)
@@ -100,7 +92,6 @@ class Loop:
                 if now_s >= next_health_s:
                     next_health_s = now_s + HEALTH_S
                     self._forget_the_silent(now_s)
-                    self._readiness.note(self._lacks(now_s), now_s)
                     self._tell_health(now_s)
             self._ended.set()
             self._finish()
@@ -229,7 +220,7 @@ class Loop:
 
     def _hear(self, key: Key, message: Message, receipt: Receipt, now_s: float) -> None:
         if type(message) in self._service.inputs:
-            self._hearing.hear(now_s)
+            self._condition.hear(now_s)
         self._show(key.vehicle_id, message, key.source, receipt)
         if key.vehicle_id != FLEET and type(message) in self._service.core_reads:
             seat = self._seats.of(key.vehicle_id)
@@ -290,62 +281,15 @@ class Loop:
             for view in self._service.views:
                 view.forget(vehicle_id)
 
-    def _lacks(self, now_s: float) -> Iterator[Lack]:
-        """What there is not of that which the service works with."""
-        service = self._service
-        if not self._session.info.routers_zid():
-            where = ", ".join(self._settings.bus.connect)
-            yield Lack("router", f"the bus is gone: no router at {where}")
-        for feed in service.feeds:
-            if (problem := feed.problem) is not None:
-                yield Lack(feed.name, problem)
-        if service.store is not None and (problem := service.store.problem) is not None:
-            yield Lack("database", problem)
-        if service.inputs and self._hearing.is_silent(now_s):
-            topics = ", ".join(sorted(kind.topic for kind in service.inputs))
-            yield Lack("input", f"nothing is heard of {topics}")
-
     def _tell_health(self, now_s: float) -> None:
-        service, inbox, now_ns = self._service, self._inbox, told_ns()
-        reporting = (*service.feeds, service.store)
-        details = joined([each.detail for each in reporting if each and each.detail])
-        health = self._health = self._telemetry.health(
-            now_ns,
-            now_s,
-            backlog=inbox.backlog,
-            dropped=inbox.dropped,
-            bad_input=service.bad_input(),
-            detail=details or None,
-            missing=self._readiness.missing(now_s, now_ns),
-        )
-        if service.is_announced:
-            self._publishers.put(self._home(), health.topic, service.name, encode(health))
-            self._show(self._home(), health, service.name, Receipt(time.monotonic_ns()))
-        if health.dropped > self._last_drop_count:
-            log.warning("%d messages dropped so far%s", health.dropped, self._most_dropped())
-            self._last_drop_count = health.dropped
-
-    def _most_dropped(self) -> str:
-        """Of whom the inbox has just dropped most."""
-        most = self._inbox.take_dropped().most_common(1)
-        return f", just now {most[0][1]} of {most[0][0]}" if most else ""
+        health = self._condition.look(now_s)
+        if self._service.is_announced:
+            self._publishers.put(self._home(), health.topic, self._service.name, encode(health))
+            self._show(self._home(), health, self._service.name, Receipt(time.monotonic_ns()))
 
     def healthz(self) -> Healthz:
-        """What the probes answer: alive while the loop turns, ready where nothing is missing."""
-        stuck_s = time.monotonic() - self._turned_s
-        alive = stuck_s < STUCK_S
-        missing = self._health.missing if self._health is not None else STARTING
-        wrong = [] if alive else [f"the loop has not turned for {stuck_s:.0f} s"]
-        wrong += [f"{each.subject}: {each.what} since {rfc3339(each.since_ns)}" for each in missing]
-        return Healthz(
-            ok=alive and not missing,
-            service=self._service.name,
-            version=__version__,
-            alive=alive,
-            detail="; ".join(wrong) or None,
-            missing=missing,
-            health=self._health,
-        )
+        """What the probes answer."""
+        return self._condition.healthz()
 
     def _drain(self) -> None:
         """Hand over what came before the end to whoever wants every sample."""
