@@ -1,10 +1,10 @@
-"""What time it is where the computer's own clock does not know: the time of its receiver."""
+"""What time it is where the computer's own clock is behind: the time of its receiver."""
 
 import time
 from collections.abc import Collection
 from typing import ClassVar
 
-from wayline.host_clock import EARLIEST_NS
+from wayline.ahead import AHEAD_NS
 from wayline.messages import GpsFix, Message
 from wayline.view import Receipt
 
@@ -13,7 +13,11 @@ WINDOW_NS = 60_000_000_000
 
 
 class ReceiverClock:
-    """Unix time of the host, or of the vehicle's receiver while the host's is not plausible.
+    """Unix time of the host, or of the vehicle's receiver while the host's is far behind it.
+
+    A clock without a battery starts in 1970 or at its last shutdown. A fix that is ahead of a
+    plausible clock only comes here once that clock is overruled (`wayline.ahead`). A host that is
+    ahead of its receiver keeps its time: the receiver's may be late.
 
     `own_sources` are the names of the fixes that the service itself publishes: they have the time
     of the frames that this clock is asked for. `latency_s` is what fixes had taken off.
@@ -44,11 +48,8 @@ class ReceiverClock:
         """A receiver that is silent has told the time all the same."""
 
     def now_ns(self) -> int:
-        """Nanoseconds since 1970; the host's, plausible or not, before there was a fix."""
+        """Nanoseconds since 1970: the host's, or the receiver's where the host's is far behind."""
         wall_ns = time.time_ns()
-        if wall_ns >= EARLIEST_NS or self._newest_ns is None:
-            return wall_ns
-        told_ns = (
-            self._newest_ns if self._before_ns is None else max(self._newest_ns, self._before_ns)
-        )
-        return time.monotonic_ns() + told_ns
+        told_ns = [ns for ns in (self._newest_ns, self._before_ns) if ns is not None]
+        receiver_ns = time.monotonic_ns() + max(told_ns) if told_ns else wall_ns
+        return receiver_ns if receiver_ns - wall_ns > AHEAD_NS else wall_ns

@@ -69,8 +69,16 @@ def test_fixes_of_the_frames_themselves_and_empty_ones_tell_no_time(host: Host) 
     assert clock.now_ns() == WALL_1970_NS
 
 
-def test_a_clock_that_is_plausible_is_the_hosts(host: Host) -> None:
+@pytest.mark.parametrize("ahead_s", [-59, 0, 3600])
+def test_a_clock_that_is_not_far_behind_is_the_hosts(host: Host, ahead_s: int) -> None:
     clock = ReceiverClock((), 0.0)
     hear(clock, 1.0, 0.0)
-    host.wall_ns = TRUE_NS + 30 * SECOND_NS
+    host.wall_ns = TRUE_NS + ahead_s * SECOND_NS
     assert clock.now_ns() == host.wall_ns
+
+
+def test_a_clock_of_the_last_shutdown_is_the_receivers(host: Host) -> None:
+    clock = ReceiverClock((), 0.0)
+    hear(clock, 1.0, 0.0)
+    host.wall_ns = TRUE_NS - 3600 * SECOND_NS
+    assert clock.now_ns() == TRUE_NS
