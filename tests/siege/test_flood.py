@@ -44,7 +44,7 @@ FLOODS = [
 def test_a_flood_costs_nobody_else_a_message(
     besieged: Besieged, bus: Bus, floods: list[tuple[float, int]], late_s: float
 ) -> None:
-    seconds = lasting_s(3.0)
+    seconds = lasting_s(2.0)
     before = {service: besieged.health(service).dropped for service in besieged.services}
     started_ns, started = time.time_ns(), len(bus.sent)
     names = [f"flood-{number}" for number in range(len(floods))]

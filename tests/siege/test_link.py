@@ -20,6 +20,7 @@ from wayline_cli.local_system import LocalSystem
 
 ROUTER = Path(__file__).parents[1] / "vehicle_router.py"
 START_S = 40.0
+SHORT_S = 1.0
 FLOODERS = 2
 FLOOD_MORE_S = 30.0
 """A flooder's own start and end on a busy machine."""
@@ -97,10 +98,10 @@ class Linked:
         """Others flood the server, unpaced, while the block runs."""
         names = [f"flood-{number}" for number in range(FLOODERS)]
         for name in names:
-            flood(self.server, name, lasting_s(3.0), 0.0, 0)
+            flood(self.server, name, lasting_s(SHORT_S), 0.0, 0)
         yield
         for name in names:
-            assert self.server.await_end(name, lasting_s(3.0) + FLOOD_MORE_S) == 0
+            assert self.server.await_end(name, lasting_s(SHORT_S) + FLOOD_MORE_S) == 0
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +117,7 @@ def test_whatever_becomes_of_the_server_the_vehicle_has_its_poses(
     linked: Linked, fault: Callable[[Linked], contextlib.AbstractContextManager[None]]
 ) -> None:
     with fault(linked), poses_go_on(linked.near, linked.circling):
-        time.sleep(lasting_s(3.0))
+        time.sleep(lasting_s(SHORT_S))
     back_s = linked.await_heard_far()
     print(f"{fault.__name__}: the server hears it again after {back_s:.2f} s")
     assert back_s < BACK_S

@@ -98,7 +98,7 @@ def crowd(besieged: Besieged, bus: Bus) -> Iterator[None]:
 
 def test_pages_that_never_read_cost_those_that_do_nothing(besieged: Besieged, bus: Bus) -> None:
     url = besieged.system.url("dashboard").replace("http", "ws", 1) + "/v1/live"
-    seconds = lasting_s(4.0)
+    seconds = lasting_s(2.0)
     with contextlib.ExitStack() as stack:
         stack.enter_context(crowd(besieged, bus))
         for _ in range(DEAF):

@@ -31,6 +31,6 @@ def test_at_twenty_times_speed_no_service_keeps_files_open(
 ) -> None:
     """Memory is still being filled in so short a time; `scripts/siege soak` weighs it."""
     monkeypatch.setattr("siege.soak.MEMORY_GROWTH", 1.0)
-    grown = soaked(tmp_path, 5.0, 20.0)
+    grown = soaked(tmp_path, 2.0, 20.0)
     assert grown.keys() >= {"router", "fusion", "dashboard"}
     assert [name for name, each in grown.items() if not each.is_flat] == []
