@@ -1,4 +1,6 @@
-"""Asks the service of this container how it is: exit status 0 only where /healthz says it is well.
+"""Asks the service of this container how it is: exit status 0 only where /livez says that it turns.
+
+What a service lacks (/readyz) does not get better by starting it anew.
 
 SERVICE=eta python healthcheck.py [wayline.toml]
 """
@@ -19,10 +21,10 @@ TIMEOUT_S = 4.0
 def address(config: Path, service: str) -> str:
     """Where the service answers, from inside."""
     http = load_settings(config).http_of(service)
-    return f"{'https' if http.tls_cert else 'http'}://127.0.0.1:{http.port}/healthz"
+    return f"{'https' if http.tls_cert else 'http'}://127.0.0.1:{http.port}/livez"
 
 
-def is_well(url: str) -> bool:
+def is_alive(url: str) -> bool:
     """Whether the answer is 200."""
     # the certificate is another name's, and nothing secret is sent
     context = ssl._create_unverified_context()  # noqa: S323
@@ -35,4 +37,4 @@ def is_well(url: str) -> bool:
 
 if __name__ == "__main__":
     path = Path(sys.argv[1] if len(sys.argv) > 1 else CONFIG)
-    sys.exit(0 if is_well(address(path, os.environ["SERVICE"])) else 1)
+    sys.exit(0 if is_alive(address(path, os.environ["SERVICE"])) else 1)

@@ -19,4 +19,8 @@ def decode(topic: str, payload: bytes) -> Message:
     """A message of a topic. Raises msgspec.DecodeError for what does not fit it."""
     if len(payload) > PAYLOAD_MAX_BYTES:
         raise msgspec.DecodeError(f"{len(payload)} bytes are more than {PAYLOAD_MAX_BYTES}")
-    return _decoders[topic].decode(payload)
+    try:
+        return _decoders[topic].decode(payload)
+    except (RecursionError, UnicodeDecodeError) as error:
+        # msgspec lets these two through: brackets without end, and text that is not UTF-8
+        raise msgspec.DecodeError(str(error)) from None

@@ -5,6 +5,7 @@ from typing import Any
 
 import msgspec
 from fastapi import FastAPI, Request, Response
+from msgspec.structs import replace
 from prometheus_client import CollectorRegistry
 from prometheus_client.exposition import choose_encoder
 from starlette.datastructures import MutableHeaders
@@ -16,8 +17,9 @@ from wayline.http_docs import add_docs
 from wayline.http_guard import LocalGuard, TokenGuard
 from wayline.http_problems import MEDIA_TYPE, Problem, answer_with_problems
 from wayline.http_settings import HttpSettings, check_exposure
-from wayline.messages import Health
+from wayline.messages import Health, Missing
 
+PROBED = frozenset({"/livez", "/readyz", "/healthz"})
 SCHEMA_REF = "#/components/schemas/{name}"
 CONTENT_POLICY = "; ".join(
     (
@@ -42,13 +44,17 @@ SAFE_HEADERS = {
 
 
 class Healthz(msgspec.Struct, frozen=True, kw_only=True):
-    """What /healthz answers, with status 200 or, when not ok, 503."""
+    """What /readyz and /healthz answer, with status 200 or, when not ok, 503."""
 
     ok: bool
+    """The service is alive and lacks nothing that it works with."""
     service: str
     version: str
+    alive: bool = True
+    """The process turns; what /livez answers as its own `ok`."""
     detail: str | None = None
     """What is wrong, for people."""
+    missing: tuple[Missing, ...] = ()
     health: Health | None = None
     """The service's last `health` message, where it has sent one."""
 
@@ -79,10 +85,10 @@ def create_service_app(
     structs: Sequence[type[msgspec.Struct]] = (),
     is_open: Callable[[str], bool] = lambda _: False,
 ) -> FastAPI:
-    """A service's app: /healthz, /metrics, /docs, problem details, access rules; add paths to it.
+    """A service's app: probes, /metrics, /docs, problem details, access rules; add paths to it.
 
     Without `healthz` it says that it works. `registry` is what /metrics shows; `structs` are the
-    answers' types for OpenAPI. With tokens, everything needs one but /healthz, the documentation
+    answers' types for OpenAPI. With tokens, everything needs one but the probes, the documentation
     and what `is_open` says of a path. Raises InputError for settings that would be too open.
     """
     check_exposure(settings)
@@ -143,9 +149,23 @@ class SafeHeaders:
 
 
 def _add_health(app: FastAPI, healthz: Callable[[], Healthz]) -> None:
+    @app.get("/livez", responses=answers(Healthz), tags=["service"])
+    def live() -> JsonAnswer:
+        """Whether the process turns: 200, or 503 where it has to be started anew."""
+        report = healthz()
+        detail = None if report.alive else report.detail
+        alive = replace(report, ok=report.alive, detail=detail, missing=(), health=None)
+        return JsonAnswer(alive, 200 if alive.ok else 503)
+
+    @app.get("/readyz", responses=answers(Healthz), tags=["service"])
+    def ready() -> JsonAnswer:
+        """Whether the router and the inputs are there: 200, or 503 with what is missing."""
+        report = replace(healthz(), health=None)
+        return JsonAnswer(report, 200 if report.ok else 503)
+
     @app.get("/healthz", responses=answers(Healthz), tags=["service"])
     def health() -> JsonAnswer:
-        """Whether the service works: 200, or 503 with the reason."""
+        """What /readyz says, with the last `health` message."""
         report = healthz()
         return JsonAnswer(report, 200 if report.ok else 503)
 
@@ -171,4 +191,4 @@ def _guard(app: FastAPI, settings: HttpSettings, is_open: Callable[[str], bool])
 
 def _is_public(path: str) -> bool:
     # orchestrators probe without tokens, and the documentation says nothing of the vehicles
-    return path in {"/healthz", "/docs", "/openapi.json"} or path.startswith("/docs/")
+    return path in {*PROBED, "/docs", "/openapi.json"} or path.startswith("/docs/")

@@ -16,15 +16,15 @@ from contextlib import AbstractContextManager
 import msgspec
 import zenoh
 
-from wayline import __version__
 from wayline.attendance import Attendance
-from wayline.bus import Publishers, Subscription, open_session
+from wayline.bus import Publishers, Subscription
 from wayline.codec import decode, encode
-from wayline.ending import Ending, ending_on_signals, unless_ended
+from wayline.condition import Condition
+from wayline.ending import Ending
+from wayline.host_clock import told_ns
 from wayline.http import Healthz
-from wayline.http_server import HttpServer
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
-from wayline.keys import FLEET, Key, alive_key, parse_key
+from wayline.keys import FLEET, Key, alive_key, parse_alive_key, parse_key
 from wayline.messages import Health, Message
 from wayline.playback import Played
 from wayline.queryable import replier
@@ -32,36 +32,15 @@ from wayline.receipts import Receipts
 from wayline.seats import Seat, Seats
 from wayline.service import Feed, Service
 from wayline.settings import EVERY_VEHICLE, Settings
-from wayline.telemetry import Telemetry, joined
+from wayline.telemetry import Telemetry
 from wayline.view import Receipt
 
 POLL_S = 0.05
 HEALTH_S = 1.0
 QUIET_S = 30.0
 """A vehicle that is not heard so long has no publishers, whose heartbeats would go on."""
-STUCK_S = 10.0
-"""A loop that has not turned this long is not well."""
 
 log = logging.getLogger("wayline")
-
-
-def run(service: Service, settings: Settings) -> None:
-    """Run a service until SIGTERM or Ctrl-C. Raises InputError for bad configuration."""
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(name)s %(message)s")
-    logging.getLogger("uvicorn").setLevel(logging.WARNING)
-    with ending_on_signals() as ending:
-        session = unless_ended(
-            lambda: open_session(settings.bus),
-            ending,
-            patience_s=1.0,
-            waiting=lambda: log.info("waiting for a router at %s", ", ".join(settings.bus.connect)),
-        )
-        if session is None:
-            return
-        with session:
-            log.info("%s %s started", service.name, __version__)
-            Loop(service, settings, session, ending).run()
-    log.info("%s stopped", service.name)
 
 
 class Loop:
@@ -73,7 +52,9 @@ class Loop:
         settings: Settings,
         session: zenoh.Session,
         ending: Ending,
+        *,
         inbox: Inbox | None = None,
+        telemetry: Telemetry | None = None,
     ) -> None:
         self._service, self._settings, self._session = service, settings, session
         self._ending = ending
@@ -84,13 +65,12 @@ class Loop:
         self._seats = Seats(service.make_node)
         self._attendance = Attendance()
         self._receipts = Receipts(self._listen_to_health)
-        self._telemetry = Telemetry(service.name, time.time_ns(), recorded=service.is_recorded)
+        self._telemetry = telemetry or Telemetry(
+            service.name, told_ns(), time.monotonic(), recorded=service.is_recorded
+        )
+        self._condition = Condition(service, settings, session, self._inbox, self._telemetry)
         self._publishers = Publishers(session)
-        self._turned_s = self._as_of_s = time.monotonic()
-        self._ahead = 0
-        """How many of the items that waited at `_as_of_s` are still to be taken."""
-        self._health: Health | None = None
-        self._last_drop_count = 0
+        self._looked_s = time.monotonic()
 
     def run(self) -> None:
         """Serve until told to stop, then finish what is open.
@@ -102,17 +82,17 @@ class Loop:
             next_health_s = time.monotonic()
             while not (self._ending.requested or self._ended.is_set()):
                 item = self._inbox.get(POLL_S)
-                now_s = self._turned_s = time.monotonic()
+                now_s = time.monotonic()
+                self._condition.turn(now_s)
                 if item is not None:
                     self._take(item, now_s)
-                    self._ahead -= 1
                 self._let_time_pass(now_s)
                 if self._service.store is not None:
                     self._service.store.hand_over()
                 if now_s >= next_health_s:
                     next_health_s = now_s + HEALTH_S
                     self._forget_the_silent(now_s)
-                    self._tell_health()
+                    self._tell_health(now_s)
             self._ended.set()
             self._finish()
         self._drain()
@@ -135,12 +115,6 @@ class Loop:
         if service.store is not None:
             service.store.start(self._ended.set)
             stack.callback(service.store.close)
-        if service.make_app is not None:
-            app = service.make_app(self.healthz, self._telemetry)
-            server = HttpServer(app, settings.http_of(service.name))
-            server.start()
-            stack.callback(server.stop)
-            log.info("%s answers on %s", service.name, server.url)
         for query, answer in service.answers.items():
             queryable = self._session.declare_queryable(query, replier(answer))
             stack.callback(queryable.undeclare)
@@ -184,15 +158,15 @@ class Loop:
         self._inbox.put(Sample(key, payload, time.time_ns(), time.monotonic_ns()))
 
     def _on_alive(self, sample: zenoh.Sample) -> None:
-        parts = str(sample.key_expr).split("/")
-        up = sample.kind == zenoh.SampleKind.PUT
-        self._inbox.put(Alive(parts[2], parts[4], up))
+        if (parsed := parse_alive_key(str(sample.key_expr))) is not None:
+            up = sample.kind == zenoh.SampleKind.PUT
+            self._inbox.put(Alive(*parsed, up))
 
     def _feed(self, feed: Feed) -> None:
         vehicle_id = self._settings.own_vehicle()
 
         def put(message: msgspec.Struct) -> None:
-            item = Raw(vehicle_id, feed.name, message, time.time_ns())
+            item = Raw(vehicle_id, feed.name, message, time.time_ns(), time.monotonic_ns())
             if not feed.can_wait:
                 self._inbox.put(item)
                 return
@@ -222,15 +196,20 @@ class Loop:
                 return
         key = parse_key(sample.key)
         message = self._read(key, sample.payload) if key is not None else None
-        if key is None or message is None or not self._attendance.admits(key):
+        if key is None or message is None or not self._attendance.admits(key, now_s):
             self._telemetry.bad()
             return
-        self._telemetry.heard(key.topic, message.t_ns, sample.received_ns)
+        self._telemetry.heard(key.topic, time.monotonic_ns() - sample.heard_ns)
         if isinstance(message, Health):
             self._receipts.hear(key.vehicle_id, message, key.source)
         if type(message) in self._service.reads:
+            if key.vehicle_id != FLEET:
+                self._attendance.hear(key.vehicle_id, now_s)
             receipt = self._receipts.note(key.vehicle_id, message, sample)
-            self._hear(key, message, receipt, now_s)
+            if receipt is None:
+                self._telemetry.bad()
+            else:
+                self._hear(key, message, receipt, now_s)
 
     @staticmethod
     def _read(key: Key, payload: bytes) -> Message | None:
@@ -240,36 +219,40 @@ class Loop:
             return None
 
     def _hear(self, key: Key, message: Message, receipt: Receipt, now_s: float) -> None:
+        if type(message) in self._service.inputs:
+            self._condition.hear(now_s)
         self._show(key.vehicle_id, message, key.source, receipt)
-        if key.vehicle_id == FLEET:
-            return
-        self._attendance.hear(key.vehicle_id, now_s)
-        if type(message) in self._service.core_reads:
+        if key.vehicle_id != FLEET and type(message) in self._service.core_reads:
             seat = self._seats.of(key.vehicle_id)
             seat.hear(message.t_ns, now_s)
+            if seat.is_back:
+                log.warning("times of %s have gone back, its core starts anew", seat.vehicle_id)
+                self._publish(seat, seat.finish())
+                seat = self._seats.renew(seat)
+                seat.hear(message.t_ns, now_s)
             self._publish(seat, seat.node.take(message, key.source, receipt.age_ns))
 
     def _take_raw(self, raw: Raw, now_s: float) -> None:
         if isinstance(raw.message, Played):
             self._put(raw.vehicle_id, raw.message.message, raw.message.source)
             return
-        self._telemetry.took()
+        self._telemetry.took(time.monotonic_ns() - raw.heard_ns)
         seat = self._seats.of(raw.vehicle_id, raw.source)
         seat.hear(raw.received_ns, now_s)
         self._publish(seat, seat.node.give(raw.message, raw.source))
 
     def _let_time_pass(self, now_s: float) -> None:
-        """Now and then look for silence, as of an instant whose items have all been taken.
+        """Now and then look for vehicles that are silent.
 
-        So a busy inbox does not hide that one vehicle is silent, and a message that waits in it
-        is not overtaken by the time that it was to tell.
+        One of which something waits is not: no message is overtaken by the time that it was to
+        tell, and a busy inbox does not hide that another vehicle is silent.
         """
-        if self._ahead > 0 or now_s - self._as_of_s < POLL_S:
+        if now_s - self._looked_s < POLL_S:
             return
+        self._looked_s = now_s
         for seat in self._seats:
-            if seat.is_due(self._as_of_s):
-                self._publish(seat, seat.pass_time(self._as_of_s))
-        self._as_of_s, self._ahead = now_s, self._inbox.backlog
+            if seat.is_due(now_s) and not self._inbox.holds(seat.vehicle_id):
+                self._publish(seat, seat.pass_time(now_s))
 
     def _publish(self, seat: Seat, messages: Iterable[Message]) -> None:
         for message in messages:
@@ -298,34 +281,15 @@ class Loop:
             for view in self._service.views:
                 view.forget(vehicle_id)
 
-    def _tell_health(self) -> None:
-        service, inbox = self._service, self._inbox
-        reporting = (*service.feeds, service.store)
-        details = joined([each.detail for each in reporting if each and each.detail])
-        health = self._health = self._telemetry.health(
-            time.time_ns(),
-            inbox.backlog,
-            inbox.dropped,
-            service.bad_input(),
-            details or None,
-        )
-        if service.is_announced:
-            self._publishers.put(self._home(), health.topic, service.name, encode(health))
-            self._show(self._home(), health, service.name, Receipt(time.monotonic_ns()))
-        if health.dropped > self._last_drop_count:
-            log.warning("%d messages dropped so far", health.dropped)
-            self._last_drop_count = health.dropped
+    def _tell_health(self, now_s: float) -> None:
+        health = self._condition.look(now_s)
+        if self._service.is_announced:
+            self._publishers.put(self._home(), health.topic, self._service.name, encode(health))
+            self._show(self._home(), health, self._service.name, Receipt(time.monotonic_ns()))
 
     def healthz(self) -> Healthz:
-        """What /healthz answers: well while the loop turns."""
-        stuck_s = time.monotonic() - self._turned_s
-        return Healthz(
-            ok=stuck_s < STUCK_S,
-            service=self._service.name,
-            version=__version__,
-            detail=None if stuck_s < STUCK_S else f"the loop has not turned for {stuck_s:.0f} s",
-            health=self._health,
-        )
+        """What the probes answer."""
+        return self._condition.healthz()
 
     def _drain(self) -> None:
         """Hand over what came before the end to whoever wants every sample."""

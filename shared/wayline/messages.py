@@ -12,10 +12,6 @@ from msgspec import Meta
 LatDeg = Annotated[float, Meta(ge=-90.0, le=90.0)]
 LonDeg = Annotated[float, Meta(ge=-180.0, le=180.0)]
 BearingDeg = Annotated[float, Meta(ge=0.0, lt=360.0)]
-NonNegative = Annotated[float, Meta(ge=0.0)]
-Positive = Annotated[float, Meta(gt=0.0)]
-Count = Annotated[int, Meta(ge=0)]
-
 # What lies beyond is bad input, whoever sends it (SPEC section 2).
 EARLIEST_NS = 315_532_800_000_000_000
 """1980, before any receiver of satellites."""
@@ -25,9 +21,20 @@ SPEED_MAX_MPS = 200.0
 STD_MAX = 1e7
 """In metres, more than a quarter of the Earth's girth: nothing is known."""
 TEXT_MAX = 256
+QUANTITY_MAX = 1e9
+"""Of whatever has no bound of its own, in its unit: a million kilometres, ten thousand bar."""
+VARIANCE_MAX = STD_MAX**2
+COUNT_MAX = 2**53
+"""What a JSON number holds exactly, wherever it is read."""
 LIST_MAX = 2_000
 PAYLOAD_MAX_BYTES = 512 * 1024
 
+Quantity = Annotated[float, Meta(ge=-QUANTITY_MAX, le=QUANTITY_MAX)]
+NonNegative = Annotated[float, Meta(ge=0.0, le=QUANTITY_MAX)]
+Positive = Annotated[float, Meta(gt=0.0, le=QUANTITY_MAX)]
+Covariance = Annotated[float, Meta(ge=-VARIANCE_MAX, le=VARIANCE_MAX)]
+Count = Annotated[int, Meta(ge=0, le=COUNT_MAX)]
+Number = Annotated[int, Meta(ge=-COUNT_MAX, le=COUNT_MAX)]
 TimeNs = Annotated[int, Meta(ge=EARLIEST_NS, le=LATEST_NS)]
 Speed = Annotated[float, Meta(ge=0.0, le=SPEED_MAX_MPS)]
 SignedSpeed = Annotated[float, Meta(ge=-SPEED_MAX_MPS, le=SPEED_MAX_MPS)]
@@ -62,8 +69,8 @@ class GpsFix(Message, frozen=True, kw_only=True):
     valid: bool
     lat_deg: LatDeg | None = None
     lon_deg: LonDeg | None = None
-    alt_m: float | None = None
-    geoid_sep_m: float | None = None
+    alt_m: Quantity | None = None
+    geoid_sep_m: Quantity | None = None
     speed_mps: Speed | None = None
     course_deg: BearingDeg | None = None
     mode: Literal[1, 2, 3] = 1
@@ -88,10 +95,10 @@ class Satellite(msgspec.Struct, frozen=True, kw_only=True):
     """One satellite in view."""
 
     system: Text
-    prn: int
-    elevation_deg: float | None = None
-    azimuth_deg: float | None = None
-    snr_dbhz: float | None = None
+    prn: Number
+    elevation_deg: Quantity | None = None
+    azimuth_deg: Quantity | None = None
+    snr_dbhz: Quantity | None = None
     used: bool = False
 
 
@@ -111,7 +118,7 @@ class Odometer(Message, frozen=True, kw_only=True):
     rate_hz: ClassVar[float] = 10.0
 
     speed_mps: Speed | None = None
-    distance_m: float | None = None
+    distance_m: Quantity | None = None
     """Cumulative, wraps removed."""
     reverse: bool | None = None
 
@@ -122,8 +129,8 @@ class Gyro(Message, frozen=True, kw_only=True):
     topic: ClassVar[str] = "gyro"
     rate_hz: ClassVar[float] = 100.0
 
-    yaw_rate_degps: float | None = None
-    temperature_c: float | None = None
+    yaw_rate_degps: Quantity | None = None
+    temperature_c: Quantity | None = None
 
 
 class Torque(Message, frozen=True, kw_only=True):
@@ -132,15 +139,15 @@ class Torque(Message, frozen=True, kw_only=True):
     topic: ClassVar[str] = "torque"
     rate_hz: ClassVar[float] = 10.0
 
-    engine_torque_nm: float | None = None
+    engine_torque_nm: Quantity | None = None
     engine_speed_rpm: NonNegative | None = None
-    gear_ratio: float | None = None
-    gear: int | None = None
+    gear_ratio: Quantity | None = None
+    gear: Number | None = None
     """0 neutral, -1 reverse."""
     brake: bool | None = None
     clutch: bool | None = None
     """True: the driveline is open."""
-    slope_pct: float | None = None
+    slope_pct: Quantity | None = None
     """Where the vehicle itself reports one."""
 
 
@@ -151,7 +158,7 @@ class Barometer(Message, frozen=True, kw_only=True):
     rate_hz: ClassVar[float] = 1.0
 
     pressure_pa: Positive | None = None
-    temperature_c: float | None = None
+    temperature_c: Quantity | None = None
 
 
 class Pose(Message, frozen=True, kw_only=True):
@@ -163,17 +170,17 @@ class Pose(Message, frozen=True, kw_only=True):
     mode: PoseMode
     lat_deg: LatDeg | None = None
     lon_deg: LonDeg | None = None
-    alt_m: float | None = None
+    alt_m: Quantity | None = None
     heading_deg: BearingDeg | None = None
     speed_mps: SignedSpeed | None = None
     """Negative in reverse."""
-    yaw_rate_degps: float | None = None
-    grade_pct: float | None = None
+    yaw_rate_degps: Quantity | None = None
+    grade_pct: Quantity | None = None
     distance_m: NonNegative = 0.0
     """Travelled since start, only grows."""
     east_std_m: Std | None = None
     north_std_m: Std | None = None
-    east_north_cov_m2: float | None = None
+    east_north_cov_m2: Covariance | None = None
     heading_std_deg: Std | None = None
     speed_std_mps: Std | None = None
     alt_std_m: Std | None = None
@@ -186,7 +193,8 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     sensor: Text
     t_ns: TimeNs
     accepted: bool
-    nis: NonNegative
+    nis: Annotated[float, Meta(ge=0.0)]
+    """Without a bound: of a wild measurement it is as large as that is wild."""
     threshold: NonNegative
     reason: Text | None = None
 
@@ -200,19 +208,19 @@ class FusionStatus(Message, frozen=True, kw_only=True):
     topic: ClassVar[str] = "fusion_status"
     rate_hz: ClassVar[float] = 1.0
 
-    gyro_bias_degps: float | None = None
+    gyro_bias_degps: Quantity | None = None
     gyro_bias_std_degps: Std | None = None
-    gyro_scale: float | None = None
+    gyro_scale: Quantity | None = None
     gyro_scale_std: Std | None = None
-    odometer_scale: float | None = None
+    odometer_scale: Quantity | None = None
     odometer_scale_std: Std | None = None
-    baro_bias_m: float | None = None
+    baro_bias_m: Quantity | None = None
     baro_bias_std_m: Std | None = None
-    torque_bias_pct: float | None = None
+    torque_bias_pct: Quantity | None = None
     torque_bias_std_pct: Std | None = None
     mass_kg: Positive | None = None
     mass_std_kg: Std | None = None
-    gps_latency_s: float | None = None
+    gps_latency_s: Quantity | None = None
     gps_latency_std_s: Std | None = None
     calibration: Calibration = "none"
     outage_s: NonNegative = 0.0
@@ -233,7 +241,7 @@ class Progress(Message, frozen=True, kw_only=True):
     lap: Count = 0
     lat_deg: LatDeg
     lon_deg: LonDeg
-    cross_track_m: float
+    cross_track_m: Quantity
     distance_std_m: Std
     on_route: bool
     speed_mps: SignedSpeed
@@ -267,9 +275,9 @@ class HorizonPoint(msgspec.Struct, frozen=True, kw_only=True):
     """Slope at a distance ahead, from earlier runs; unknown is null, never 0."""
 
     distance_m: NonNegative
-    grade_pct: float | None = None
+    grade_pct: Quantity | None = None
     grade_std_pct: Std | None = None
-    alt_m: float | None = None
+    alt_m: Quantity | None = None
     runs: Count = 0
     updated_ns: TimeNs | None = None
 
@@ -283,13 +291,23 @@ class Horizon(Message, frozen=True, kw_only=True):
     road_id: Text | None = None
     direction: Literal[1, -1] | None = None
     """Of travel: 1 along the road's stored line, -1 against it."""
-    position_m: float | None = None
+    position_m: Quantity | None = None
     """Along the road's line from its start."""
     points: Annotated[tuple[HorizonPoint, ...], AtMost] = ()
 
 
+class Missing(msgspec.Struct, frozen=True, kw_only=True):
+    """Something that a service works with and lacks."""
+
+    subject: Text
+    """`router`, `input` for what it reads from the bus, `database`, or a source's name."""
+    what: Text
+    """What is wrong with it, for people."""
+    since_ns: TimeNs
+
+
 class Health(Message, frozen=True, kw_only=True):
-    """How a service does. Lag is arrival minus t_ns."""
+    """How a service does. Lag is how long after its receipt a message is taken."""
 
     topic: ClassVar[str] = "health"
     rate_hz: ClassVar[float] = 1.0
@@ -301,10 +319,16 @@ class Health(Message, frozen=True, kw_only=True):
     out_rate_hz: NonNegative = 0.0
     backlog: Count = 0
     dropped: Count = 0
+    dropped_rate_hz: NonNegative = 0.0
+    """Over the last ten seconds."""
     bad_input: Count = 0
-    lag_ms_p50: float | None = None
-    lag_ms_p99: float | None = None
+    bad_input_rate_hz: NonNegative = 0.0
+    """Over the last ten seconds."""
+    lag_ms_p50: Quantity | None = None
+    lag_ms_p99: Quantity | None = None
     detail: Text | None = None
+    missing: Annotated[tuple[Missing, ...], AtMost] = ()
+    """Empty where the service is ready."""
     recorded: bool = False
     """What this source publishes is a recording that is played, so its times may be old."""
 

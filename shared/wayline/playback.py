@@ -67,6 +67,11 @@ class Playback:
         return f"playing, loop {self._loops + 1}" if self._options.loop else "playing"
 
     @property
+    def problem(self) -> str | None:
+        """That nothing more comes, once it has played."""
+        return "played to its end" if self._is_over else None
+
+    @property
     def bad_input(self) -> int:
         """What was counted and dropped so far, over all loops."""
         return self._bad_input + sum(recording.bad_input() for recording in self._playing)

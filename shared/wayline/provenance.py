@@ -24,6 +24,10 @@ class Provenance:
         else:
             recorded.discard(source)
 
+    def is_recorded(self, vehicle_id: str) -> bool:
+        """Whether a source of the vehicle has said that it plays a recording."""
+        return bool(self._recorded.get(vehicle_id))
+
     def age_ns(self, vehicle_id: str, behind_ns: int, now_s: float) -> int:
         """Age of a message whose `t_ns` is so much before the host's time of its receipt.
 

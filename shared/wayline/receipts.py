@@ -1,9 +1,10 @@
-"""How old messages are when they come, by the older of two clocks (SPEC section 2)."""
+"""How old messages are when they come, and which are refused as they lie ahead (SPEC section 2)."""
 
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack
 
+from wayline.ahead import AHEAD_NS, Ahead
 from wayline.host_clock import HostClock
 from wayline.inbox import Sample
 from wayline.messages import Health, Message
@@ -15,31 +16,41 @@ Listen = Callable[[str], AbstractContextManager[object]]
 
 
 class Receipts:
-    """Notes how old each message was when it came.
+    """Notes how old each message was when it came, and refuses those that lie ahead.
 
-    Old times may be those of a recording that is played. Which vehicles are recorded is said in
-    `health`, which is asked for only where a vehicle's times are old.
+    Old times, and times ahead, may be those of a recording that is played. Which vehicles are
+    recorded is said in `health`, which is asked for only where a vehicle's times differ from the
+    host's.
     """
 
     def __init__(self, listen: Listen, host_clock: HostClock | None = None) -> None:
         self._listen = listen
         self._host_clock = host_clock or HostClock()
         self._provenance = Provenance()
+        self._ahead = Ahead()
         self._listening: dict[str, ExitStack] = {}
 
-    def note(self, vehicle_id: str, message: Message, sample: Sample) -> Receipt:
-        """The receipt of a message that came in a sample."""
-        now_ns = self._host_clock.now_ns()
-        if now_ns is None:
+    def note(self, vehicle_id: str, message: Message, sample: Sample) -> Receipt | None:
+        """The receipt of a message that came in a sample; None where it is refused."""
+        now = self._host_clock.now()
+        if now is None:
             return Receipt(sample.heard_ns)
         # it may have waited here for long: that is no age
         waited_ns = time.monotonic_ns() - sample.heard_ns
-        behind_ns = now_ns - waited_ns - message.t_ns
-        if behind_ns >= LATE_NS and vehicle_id not in self._listening:
+        heard_s = sample.heard_ns * 1e-9
+        behind_ns = now.earliest_ns - waited_ns - message.t_ns
+        ahead_ns = message.t_ns - now.latest_ns + waited_ns
+        if behind_ns >= LATE_NS or ahead_ns > AHEAD_NS:
+            self._ask_whether_recorded(vehicle_id)
+        is_refused = self._ahead.refuses(type(message), ahead_ns, heard_s)
+        if is_refused and not self._provenance.is_recorded(vehicle_id):
+            return None
+        return Receipt(sample.heard_ns, self._provenance.age_ns(vehicle_id, behind_ns, heard_s))
+
+    def _ask_whether_recorded(self, vehicle_id: str) -> None:
+        if vehicle_id not in self._listening:
             self._listening[vehicle_id] = stack = ExitStack()
             stack.enter_context(self._listen(vehicle_id))
-        age_ns = self._provenance.age_ns(vehicle_id, behind_ns, sample.heard_ns * 1e-9)
-        return Receipt(sample.heard_ns, age_ns)
 
     def hear(self, vehicle_id: str, health: Health, source: str) -> None:
         """Take what a vehicle's service says of itself."""

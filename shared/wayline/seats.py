@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from wayline.inputs import Tick
 from wayline.messages import Message
@@ -10,8 +11,24 @@ from wayline.node import Node
 IDLE_S = 1.0
 """Without input this long, time is advanced by the monotonic clock (SPEC section 2)."""
 
+BACK_NS = 3_000_000_000
+"""Before the newest by more, a message is not late but of another time."""
+BACK_FOR_S = 2.0
+BACK_MESSAGES = 3
+"""So long and so often nothing but older times: the newest ones were wrong."""
+
 MakeNode = Callable[[str, str], Node]
 """A core with its store for a vehicle (and, for raw input, a source)."""
+
+
+class Back(NamedTuple):
+    """Messages that are all older than the newest one was."""
+
+    first_ns: int
+    since_s: float
+    """By the monotonic clock."""
+    messages: int = 1
+    newest_ns: int = 0
 
 
 @dataclass(slots=True)
@@ -24,10 +41,28 @@ class Seat:
     node: Node
     last_ns: int = 0
     heard_s: float = 0.0
+    _back: Back | None = None
 
     def hear(self, t_ns: int, now_s: float) -> None:
         """Note that a message has come; `now_s` is of the monotonic clock."""
-        self.last_ns, self.heard_s = max(self.last_ns, t_ns), now_s
+        self.heard_s = now_s
+        if t_ns > self.last_ns - BACK_NS:
+            self.last_ns, self._back = max(self.last_ns, t_ns), None
+        elif self._back is None:
+            self._back = Back(t_ns, now_s)
+        else:
+            self._back = self._back._replace(messages=self._back.messages + 1, newest_ns=t_ns)
+
+    @property
+    def is_back(self) -> bool:
+        """Whether time has gone back for good: nothing but older times come, and they go on.
+
+        Whoever sees it gives the seat to a new core, as this one waits for what was wrong.
+        """
+        back = self._back
+        if back is None or back.messages < BACK_MESSAGES:
+            return False
+        return self.heard_s - back.since_s >= BACK_FOR_S and back.newest_ns > back.first_ns
 
     def is_due(self, now_s: float) -> bool:
         """Whether time alone may change something."""
@@ -64,6 +99,11 @@ class Seats:
             seat = Seat(vehicle_id, source, self._make_node(vehicle_id, source))
             self._seats[vehicle_id, source] = seat
         return seat
+
+    def renew(self, seat: Seat) -> Seat:
+        """The same seat with a new core, which knows what the store does."""
+        del self._seats[seat.vehicle_id, seat.source]
+        return self.of(seat.vehicle_id, seat.source)
 
     def leave(self, vehicle_id: str) -> list[Seat]:
         """The seats of a vehicle, which are no longer kept."""

@@ -9,7 +9,7 @@ import msgspec
 
 from wayline.http import Healthz
 from wayline.inbox import Sample
-from wayline.messages import TOPICS, Message
+from wayline.messages import TOPICS, Health, Message
 from wayline.node import Node
 from wayline.queryable import Answer
 from wayline.seats import MakeNode
@@ -32,6 +32,11 @@ class Feed(Protocol):
     @property
     def detail(self) -> str | None:
         """What `health` should say of it."""
+        ...
+
+    @property
+    def problem(self) -> str | None:
+        """Why nothing comes from it; None where something does."""
         ...
 
 
@@ -96,6 +101,11 @@ class Service:
     def reads(self) -> frozenset[type[Message]]:
         """Topics that are decoded: what the cores and the views want."""
         return self.core_reads.union(*(view.reads for view in self.views))
+
+    @property
+    def inputs(self) -> frozenset[type[Message]]:
+        """Topics without which it has nothing to do: its cores', else its views'; not `health`."""
+        return (self.core_reads or (frozenset() if self.feeds else self.reads)) - {Health}
 
     @property
     def topics(self) -> frozenset[str]:

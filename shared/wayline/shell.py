@@ -14,9 +14,9 @@ from wayline.bus import open_session
 from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.http import Healthz, create_service_app
-from wayline.loop import run
 from wayline.play_clock import PlayClock, agree
 from wayline.playback import Playback, PlayOptions
+from wayline.process import run
 from wayline.received import Recording, begun
 from wayline.route import Route
 from wayline.route_file import load_route

@@ -13,15 +13,26 @@ from types import NoneType, UnionType
 
 import msgspec
 
-from wayline.messages import MESSAGES, Message, TimeNs, field_types, stale_after_s
+from wayline.messages import (
+    COUNT_MAX,
+    MESSAGES,
+    QUANTITY_MAX,
+    Message,
+    TimeNs,
+    field_types,
+    stale_after_s,
+)
 
 HEAD = """# Topics of the bus
 
 Generated from `shared/wayline/messages.py` by `python -m wayline.topics_doc`; do not edit.
 
 Key: `wayline/v1/<vehicle_id>/<topic>/<source>`. Payload: JSON of one message. A field that may be
-null is unknown when null. Units are in the names.
+null is unknown when null. Units are in the names. No number is larger than 1e9, no count than 2^53,
+unless a bound is told; what lies beyond its bound is bad input.
 """
+UNSAID = {QUANTITY_MAX, COUNT_MAX}
+"""Bounds that the head tells of all."""
 
 
 def render() -> str:
@@ -86,10 +97,10 @@ def _type(annotation: object) -> str:
 def _bounds(metas: tuple[object, ...]) -> str:
     signs = {"ge": ">=", "gt": ">", "le": "<=", "lt": "<", "max_length": "of at most"}
     return ", ".join(
-        f"{sign} {getattr(meta, name):g}"
+        f"{sign} {bound:g}"
         for meta in metas
         for name, sign in signs.items()
-        if getattr(meta, name, None) is not None
+        if (bound := getattr(meta, name, None)) is not None and abs(bound) not in UNSAID
     )
 
 

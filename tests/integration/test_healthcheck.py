@@ -15,11 +15,11 @@ SCRIPT = Path(__file__).parents[2] / "deploy/healthcheck.py"
 
 
 @pytest.mark.parametrize(("status", "exit_status"), [(200, 0), (503, 1)])
-def test_the_health_check_passes_on_what_healthz_says(
+def test_the_health_check_passes_on_what_livez_says(
     tmp_path: Path, status: int, exit_status: int
 ) -> None:
     app = FastAPI()
-    app.add_api_route("/healthz", lambda: Response(status_code=status))
+    app.add_api_route("/livez", lambda: Response(status_code=status))
     with HttpServer(app, HttpSettings(port=0)) as server:
         port = server.port
         assert check(tmp_path, port) == exit_status

@@ -65,7 +65,7 @@ def test_a_real_minute_played_live_gives_the_poses_of_its_replay(
 def test_every_service_answers_for_its_health_and_counts(
     running: LocalSystem, service: str
 ) -> None:
-    health = get_json(f"{running.url(service)}/healthz")
+    health = get_json(f"{running.url(service)}/livez")
     assert (health["ok"], health["service"]) == (True, service)
     metrics = get(f"{running.url(service)}/metrics")
     assert "wayline_bad_input 0.0" in metrics.splitlines()

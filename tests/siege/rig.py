@@ -84,20 +84,9 @@ class Rig:
         assert took_s < BACK_S, f"well again only after {took_s:.1f} s"
         return took_s
 
-    @contextlib.contextmanager
-    def poses_go_on(self) -> Iterator[None]:
+    def poses_go_on(self) -> contextlib.AbstractContextManager[None]:
         """While the block runs, poses come ten times a second without a gap."""
-        begun_s, self._vehicle.late_s = time.monotonic(), 0.0
-        yield
-        ended_s = time.monotonic()
-        times_s = [h.received_s for h in self.listener.heard("pose")]
-        times_s = [begun_s, *(t for t in times_s if begun_s < t < ended_s), ended_s]
-        gaps_s = [after - before for before, after in itertools.pairwise(times_s)]
-        rate_hz = (len(times_s) - 2) / (ended_s - begun_s)
-        late = f"the vehicle at most {self._vehicle.late_s:.3f} s late"
-        print(f"poses: {rate_hz:.2f} Hz, longest gap {max(gaps_s):.3f} s, {late}")
-        assert max(gaps_s) < GAP_MAX_S + self._vehicle.late_s
-        assert abs(rate_hz - POSES_HZ) < max(0.1, 2.0 / (ended_s - begun_s))
+        return poses_go_on(self.listener, self._vehicle)
 
     def runs(self) -> list[tuple[int, int]]:
         """Start and end of every run in the ledger, in order of time."""
@@ -130,6 +119,22 @@ class Rig:
                 yield connection
         finally:
             engine.dispose()
+
+
+@contextlib.contextmanager
+def poses_go_on(listener: Listener, vehicle: Circling) -> Iterator[None]:
+    """While the block runs, a vehicle's poses come ten times a second without a gap."""
+    begun_s, vehicle.late_s = time.monotonic(), 0.0
+    yield
+    ended_s = time.monotonic()
+    times_s = [h.received_s for h in listener.heard("pose")]
+    times_s = [begun_s, *(t for t in times_s if begun_s < t < ended_s), ended_s]
+    gaps_s = [after - before for before, after in itertools.pairwise(times_s)]
+    rate_hz = (len(times_s) - 2) / (ended_s - begun_s)
+    late = f"the vehicle at most {vehicle.late_s:.3f} s late"
+    print(f"poses: {rate_hz:.2f} Hz, longest gap {max(gaps_s):.3f} s, {late}")
+    assert max(gaps_s) < GAP_MAX_S + vehicle.late_s
+    assert abs(rate_hz - POSES_HZ) < max(0.1, 2.0 / (ended_s - begun_s))
 
 
 def holes_s(runs: list[tuple[int, int]]) -> list[float]:

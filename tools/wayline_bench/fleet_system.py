@@ -1,10 +1,12 @@
 """The processes that a fleet is played to: Wayline's own and, for the yardstick, bare ones."""
 
 import contextlib
+import http.client
 import multiprocessing
 import sys
 import tempfile
 import time
+import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -126,7 +128,7 @@ def _await_health(system: LocalSystem, service: str) -> None:
     """A service that tells its health hears. Raises TimeoutError where it does not start."""
     deadline_s = time.monotonic() + START_S
     system.await_said(service, "answers on", START_S)
-    while b'"health":{' not in _get(f"{system.url(service)}/healthz"):
+    while b'"health":{' not in _get(f"{system.url(service)}/healthz", ready=False):
         if time.monotonic() > deadline_s:
             raise TimeoutError(f"{service} tells no health: {system.said(service)}")
         time.sleep(POLL_S)
@@ -222,7 +224,14 @@ def _said_counts(said: str) -> dict[str, int]:
     return msgspec.json.decode(said.splitlines()[-1], type=dict[str, int])
 
 
-def _get(url: str) -> bytes:
-    with urllib.request.urlopen(url, timeout=START_S) as answer:  # noqa: S310 - http
-        body: bytes = answer.read()
+def _get(url: str, *, ready: bool = True) -> bytes:
+    """The body of an answer; a service that lacks its input answers 503 and is not `ready`."""
+    try:
+        with urllib.request.urlopen(url, timeout=START_S) as answer:  # noqa: S310 - http
+            body: bytes = answer.read()
+    except urllib.error.HTTPError as error:
+        with error:
+            if ready or error.code != http.client.SERVICE_UNAVAILABLE:
+                raise
+            body = error.read()
     return body

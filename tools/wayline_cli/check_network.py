@@ -54,7 +54,7 @@ def port_holder(host: str, port: int) -> str | None:
         return None
     # a service that serves every address is asked on this machine's own
     is_here = is_loopback(host) or host in {"0.0.0.0", "::", ""}  # noqa: S104 - compared only
-    found = answer(port, "/healthz") if is_here or host == LOOPBACK else None
+    found = answer(port, "/livez") if is_here or host == LOOPBACK else None
     if found is None or found[0] not in {http.client.OK, http.client.SERVICE_UNAVAILABLE}:
         return ""
     try:

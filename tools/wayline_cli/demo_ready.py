@@ -48,13 +48,13 @@ def answer(port: int, path: str, timeout_s: float = TIMEOUT_S) -> tuple[int, byt
 
 def missing(demo: Demo) -> list[str]:
     """What does not answer yet, else the vehicles that are not on the page yet."""
-    silent = [name for name, port in demo.ports.http.items() if not is_well(port)]
+    silent = [name for name, port in demo.ports.http.items() if not is_alive(port)]
     return silent or sorted(demo.vehicles - placed_vehicles(demo.ports.http))
 
 
-def is_well(port: int) -> bool:
-    """Whether a service answers that it works."""
-    found = answer(port, "/healthz")
+def is_alive(port: int) -> bool:
+    """Whether a service answers that it turns; what it is to hear is asked of the page."""
+    found = answer(port, "/livez")
     return found is not None and found[0] == http.client.OK
 
 

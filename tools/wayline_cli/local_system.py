@@ -89,6 +89,10 @@ class LocalSystem:
         """The process's id."""
         return self._processes[name].pid
 
+    def is_running(self, name: str) -> bool:
+        """Whether a process that was started has not ended."""
+        return self._processes[name].poll() is None
+
     def stop(self, name: str, timeout_s: float = STOP_S) -> int:
         """End a process by SIGTERM; its exit status. Raises TimeoutExpired."""
         self._processes[name].terminate()

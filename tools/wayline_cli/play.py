@@ -15,6 +15,7 @@ from wayline.bus import QOS, Publishers
 from wayline.codec import encode
 from wayline.ending import Ending, ending_on_signals
 from wayline.errors import InputError
+from wayline.host_clock import told_ns
 from wayline.keys import alive_key, parse_key
 from wayline.mcap_log import is_finished, read_records
 from wayline.messages import Health
@@ -91,7 +92,7 @@ class Player:
     def __init__(self, put: Put, announce: Announce = lambda _: contextlib.nullcontext()) -> None:
         self._put, self._announce = put, announce
         self._announced = contextlib.ExitStack()
-        self._started_ns = time.time_ns()
+        self._started_ns = told_ns()
         self._told_s: dict[str, float] = {}
         self.heartbeat_s = 0.0
         """The longest between heartbeats of what was put."""
@@ -114,7 +115,7 @@ class Player:
     def _tell(self, vehicle_id: str, *, recorded: bool) -> None:
         self._told_s[vehicle_id] = time.monotonic()
         health = Health(
-            t_ns=time.time_ns(),
+            t_ns=told_ns(),
             service=NAME,
             version=__version__,
             started_ns=self._started_ns,

@@ -102,7 +102,7 @@ def record_bus(
     """Write what arrives on a session; what has arrived when it ends is still written."""
     log = Log(writer)
     service = Service("record", take_sample=log.write, is_announced=False)
-    loop = Loop(service, Settings(vehicles=(EVERY_VEHICLE,)), session, ending, inbox)
+    loop = Loop(service, Settings(vehicles=(EVERY_VEHICLE,)), session, ending, inbox=inbox)
     loop.run()
     return Recorded(dict(log.counts), loop.dropped, loop.lost, log.refused)
 

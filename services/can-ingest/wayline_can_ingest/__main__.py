@@ -20,6 +20,7 @@ from wayline_can_ingest.core import CanIngestCore
 from wayline_can_ingest.frames import MALFORMED
 from wayline_can_ingest.interfaces import Interface
 from wayline_can_ingest.obd2_poll import REPLIES
+from wayline_can_ingest.receiver_clock import ReceiverClock
 from wayline_can_ingest.recorded import recordings
 from wayline_can_ingest.utc import DriveClock
 from wayline_can_ingest.wanted import Wanted
@@ -45,13 +46,14 @@ def live(settings: Settings) -> Service:
     vehicle = settings.vehicle
     cores: dict[str, CanIngestCore] = {}
     buses: dict[str, Interface] = {}
+    clock = ReceiverClock(buses.keys(), vehicle.gps_latency_s)
     for name, source in zip(source_names(NAME), settings.can, strict=False):
         mapping = load_mapping(source, vehicle, "configuration [[can]]")
         clock = DriveClock.of(source, doubts_start=True, clock_from_ns=EARLIEST_NS)
         cores[name] = CanIngestCore(source, mapping, vehicle, clock=clock)
         polls = OBD2 in vehicle.profiles if source.obd2 is None else source.obd2
         wanted = Wanted(mapping, REPLIES if polls else ())
-        buses[name] = Interface(name, source, wanted, polls=polls)
+        buses[name] = Interface(name, source, wanted, polls=polls, now_ns=clock.now_ns)
 
     def bad_input() -> int:
         of_cores = sum(core.bad_input + core.dropped for core in cores.values())
@@ -60,6 +62,7 @@ def live(settings: Settings) -> Service:
     return Service(
         NAME,
         lambda _, source: Node(source, cores[source]),
+        views=[clock],
         feeds=list(buses.values()),
         make_app=app_with_buses(settings, buses),
         bad_input=bad_input,

@@ -65,8 +65,16 @@ def open_bus(source: LiveCan) -> can.BusABC:
 class Ear:
     """What was heard on a bus, over all the times it was opened."""
 
-    def __init__(self, channel: str, wanted: Wanted, *, interface: str) -> None:
+    def __init__(
+        self,
+        channel: str,
+        wanted: Wanted,
+        *,
+        interface: str,
+        now_ns: Callable[[], int] = time.time_ns,
+    ) -> None:
         self._reader = FrameReader(channel)
+        self._now_ns = now_ns
         self._wanted = wanted
         self.filters = wanted.filters if interface in FILTERING else None
         self.faults: Counter[str] = self._reader.faults
@@ -83,7 +91,7 @@ class Ear:
 
     def take(self, message: object, put: Put, poll: Obd2Poll | None) -> None:
         """Give a frame on if it is mapped, or what it answers to the polling."""
-        frame: Frame | None = self._reader.frame(message, time.time_ns())
+        frame: Frame | None = self._reader.frame(message, self._now_ns())
         if frame is None:
             return
         self.frame_s, self.trouble = time.monotonic(), None

@@ -28,7 +28,7 @@ class Interface:
     """One bus as a feed of frames.
 
     The driver is called in a thread of its own, which may die of whatever it raises and hang
-    wherever it hangs: it is left behind and the bus opened anew.
+    wherever it hangs: it is left behind and the bus opened anew. `now_ns` tells Unix time.
     """
 
     can_wait = False
@@ -41,10 +41,11 @@ class Interface:
         *,
         polls: bool = False,
         open_it: OpenBus = open_bus,
+        now_ns: Callable[[], int] = time.time_ns,
     ) -> None:
         self.name = name
         self._source, self._polls, self._open_it = source, polls, open_it
-        self._ear = Ear(str(source.channel), wanted, interface=source.interface)
+        self._ear = Ear(str(source.channel), wanted, interface=source.interface, now_ns=now_ns)
         self._reader: BusReader | None = None
         self._hanging: list[BusReader] = []
         self._own_faults: Counter[str] = Counter()
@@ -78,6 +79,12 @@ class Interface:
     def detail(self) -> str:
         """How the interface does, for `health`."""
         return self.condition.text
+
+    @property
+    def problem(self) -> str | None:
+        """Why no mapped frame comes; None where some do."""
+        condition = self.condition
+        return None if condition.problem is None else f"{condition.name}: {condition.problem}"
 
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
         """Read until told to stop; open anew whenever the reader ends, dies, hangs or is deaf."""

@@ -62,8 +62,8 @@ class Fleet:
         if model is None and not up:
             return
         model = model or VehicleViewModel(vehicle_id)
-        model.put_service(service, up, self._revision + 1)
-        self._note_change(model)
+        if model.put_service(service, up, self._revision + 1):
+            self._note_change(model)
 
     def forget(self, vehicle_id: str) -> None:
         """Drop a vehicle; readers are told that it is gone."""

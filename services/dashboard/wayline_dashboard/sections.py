@@ -7,6 +7,7 @@ from wayline_dashboard.view import (
     ArrivalsView,
     FixView,
     HorizonView,
+    MissingView,
     PoseView,
     ProgressView,
     ServiceView,
@@ -132,9 +133,15 @@ def service_view(service: str, up: bool, health: Health | None) -> ServiceView:
         out_rate_hz=health.out_rate_hz,
         backlog=health.backlog,
         dropped=health.dropped,
+        dropped_rate_hz=health.dropped_rate_hz,
         bad_input=health.bad_input,
+        bad_input_rate_hz=health.bad_input_rate_hz,
         lag_ms_p50=health.lag_ms_p50,
         lag_ms_p99=health.lag_ms_p99,
         detail=health.detail,
+        missing=tuple(
+            MissingView(subject=each.subject, what=each.what, since=rfc3339(each.since_ns))
+            for each in health.missing
+        ),
         recorded=health.recorded,
     )

@@ -109,6 +109,14 @@ class HorizonView(msgspec.Struct, frozen=True, kw_only=True):
     points: tuple[SlopePoint, ...]
 
 
+class MissingView(msgspec.Struct, frozen=True, kw_only=True):
+    """What a service lacks, and since when."""
+
+    subject: str
+    what: str
+    since: str
+
+
 class ServiceView(msgspec.Struct, frozen=True, kw_only=True):
     """One service: up or down by its liveliness token, the rest by its last health."""
 
@@ -120,10 +128,14 @@ class ServiceView(msgspec.Struct, frozen=True, kw_only=True):
     out_rate_hz: float | None = None
     backlog: int = 0
     dropped: int = 0
+    dropped_rate_hz: float = 0.0
     bad_input: int = 0
+    bad_input_rate_hz: float = 0.0
     lag_ms_p50: float | None = None
     lag_ms_p99: float | None = None
     detail: str | None = None
+    missing: tuple[MissingView, ...] = ()
+    """Empty where it is ready."""
     recorded: bool = False
     """What it puts on the bus is of a recording, so its times may be old."""
 

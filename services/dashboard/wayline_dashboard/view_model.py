@@ -15,6 +15,7 @@ from wayline.messages import (
 )
 from wayline.view import Receipt
 from wayline_dashboard.instant import Instant
+from wayline_dashboard.roll import Roll
 from wayline_dashboard.sections import (
     arrivals_view,
     fix_view,
@@ -22,7 +23,6 @@ from wayline_dashboard.sections import (
     newest_rejection,
     pose_view,
     progress_view,
-    service_view,
     status_view,
 )
 from wayline_dashboard.trail import Trail
@@ -57,24 +57,26 @@ class VehicleViewModel:
         self._pose_receipt = Receipt(0)
         self._fix_source = ""
         self._last_rejection: str | None = None
-        self._up: dict[str, bool] = {}
-        self._health: dict[str, Health] = {}
+        self._roll = Roll()
 
     def put(self, message: Message, source: str, receipt: Receipt, revision: int) -> bool:
         """Keep what the page shows; False where nothing changed by it."""
         if type(message) not in SHOWN:
             return False
         if isinstance(message, Health):
-            self._health[message.service] = message
-        elif not self._keep(message, source, receipt, revision):
-            return False
-        self._touch(type(message), revision)
-        return True
+            is_news = self._roll.hear(message)
+        else:
+            is_news = self._keep(message, source, receipt, revision)
+        if is_news:
+            self._touch(type(message), revision)
+        return is_news
 
-    def put_service(self, service: str, up: bool, revision: int) -> None:
-        """Take a service's liveliness token that came or went."""
-        self._up[service] = up
-        self._touch(Health, revision)
+    def put_service(self, service: str, up: bool, revision: int) -> bool:
+        """Take a service's liveliness token that came or went; False where nothing changed."""
+        is_news = self._roll.note(service, is_up=up)
+        if is_news:
+            self._touch(Health, revision)
+        return is_news
 
     def has_news(self, known: int, topics: Set[type[Message]]) -> bool:
         """Whether a reader that knows a revision lacks one of the topics, or the vehicle itself."""
@@ -98,11 +100,7 @@ class VehicleViewModel:
 
     def services(self) -> tuple[ServiceView, ...]:
         """Every service heard of, by name."""
-        names = sorted(self._up.keys() | self._health.keys())
-        # a health without a token seen (a replay, say) still speaks of a living service
-        return tuple(
-            service_view(name, self._up.get(name, True), self._health.get(name)) for name in names
-        )
+        return self._roll.views()
 
     def _keep(self, message: Message, source: str, receipt: Receipt, revision: int) -> bool:
         topic = type(message)

@@ -25,13 +25,18 @@ class Condition(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def problem(self) -> str | None:
         """What is wrong, the deepest cause first; None where fixes come."""
+        return self.absence or ("without a fix" if _is_old(self.fix_age_s) else None)
+
+    @property
+    def absence(self) -> str | None:
+        """Why nothing is heard; None where the receiver speaks, with or without a fix."""
         if self.link_error is not None:
             return f"not connected ({self.link_error})"
         if _is_old(self.byte_age_s):
             return "silent"
         if _is_old(self.sentence_age_s):
             return "sends nothing readable"
-        return "without a fix" if _is_old(self.fix_age_s) else None
+        return None
 
     @property
     def text(self) -> str:

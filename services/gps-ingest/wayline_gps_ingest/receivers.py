@@ -67,6 +67,12 @@ class Receiver:
         """How the receiver does, for `health`."""
         return self.condition.text
 
+    @property
+    def problem(self) -> str | None:
+        """Why nothing is heard of the receiver; in a tunnel it is there all the same."""
+        absence = self.condition.absence
+        return None if absence is None else f"{self._url}: {absence}"
+
     def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
         """Read until told to stop; connect again whenever the link ends or falls silent."""
         failures = 0

@@ -137,7 +137,7 @@ def test_a_page_that_was_never_built_says_how_to(live: LiveView, tmp_path: Path)
 
 def test_with_tokens_the_page_opens_but_tells_nothing(live: LiveView, page: Path) -> None:
     http = client(live, page, HttpSettings(tokens=(TOKEN,)))
-    open_paths = ("/", "/assets/index-abc.js", "/healthz")
+    open_paths = ("/", "/assets/index-abc.js", "/livez", "/readyz", "/healthz")
     assert {http.get(path).status_code for path in open_paths} == {200}
     closed = ("/v1/view", "/v1/routes", "/v1/routes/avl", "/metrics")
     assert {http.get(path).status_code for path in closed} == {401}

@@ -66,6 +66,21 @@ def test_healthz_says_503_and_why_when_the_service_does_not_work() -> None:
     assert (answer.status_code, answer.json()["detail"]) == (503, "no disk")
 
 
+def probed(report: Healthz) -> dict[str, int]:
+    app = create_service_app("test", HttpSettings(), healthz=lambda: report)
+    client = TestClient(app, base_url=LOCAL)
+    return {path: client.get(path).status_code for path in ("/livez", "/readyz", "/healthz")}
+
+
+def test_what_lacks_its_input_is_alive_and_what_does_not_turn_is_not() -> None:
+    well = Healthz(ok=True, service="test", version="0")
+    assert probed(well) == {"/livez": 200, "/readyz": 200, "/healthz": 200}
+    lacking = msgspec.structs.replace(well, ok=False, detail="router: the bus is gone")
+    assert probed(lacking) == {"/livez": 200, "/readyz": 503, "/healthz": 503}
+    stuck = msgspec.structs.replace(lacking, alive=False)
+    assert probed(stuck) == {"/livez": 503, "/readyz": 503, "/healthz": 503}
+
+
 def test_metrics_are_what_prometheus_reads() -> None:
     answer = make_client().get("/metrics")
     assert "wayline_tries_total 3.0" in answer.text
@@ -194,7 +209,16 @@ def test_health_and_documentation_and_the_page_are_open_but_metrics_are_not() ->
     client = make_client(GUARDED)
     codes = {
         path: client.get(path).status_code
-        for path in ("/healthz", "/docs", "/docs/start.js", "/openapi.json", "/page", "/metrics")
+        for path in (
+            "/livez",
+            "/readyz",
+            "/healthz",
+            "/docs",
+            "/docs/start.js",
+            "/openapi.json",
+            "/page",
+            "/metrics",
+        )
     }
     assert codes.pop("/metrics") == 401
     assert set(codes.values()) == {200}

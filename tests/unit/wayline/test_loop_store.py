@@ -45,6 +45,12 @@ def test_health_says_what_is_wrong_with_the_store(run: Run) -> None:
     assert store.closed.is_set()
 
 
+def test_what_the_store_lacks_makes_its_service_unready(run: Run) -> None:
+    running = run(Service("keeper", store=FakeStore()), Settings(vehicle_id="bus-7"))
+    health = running.await_health(lambda health: health.detail is not None)
+    assert ("database", "away") in [(each.subject, each.what) for each in health.missing]
+
+
 def test_a_store_that_cannot_go_on_ends_the_service_with_its_reason(run: Run) -> None:
     store = FakeStore(InputError("database", "is of a newer version", "update"))
     running = run(Service("keeper", store=store), Settings(vehicle_id="bus-7"))

@@ -95,6 +95,36 @@ def test_a_message_is_as_old_as_it_says_but_for_a_recording_that_is_played(run: 
     assert told_age_s(running, view, old_ns, "played") == 0.0
 
 
+def test_a_message_an_hour_ahead_is_refused_but_for_a_recording_that_is_played(run: Run) -> None:
+    view = Told(queue.SimpleQueue())
+    running = run(Service("page", views=[view]), ALL)
+    running.await_start()
+    ahead_ns = time.time_ns() + round(HOUR_S * 1e9)
+    for vehicle_id in ("live", "played"):
+        running.put(Pose(t_ns=ahead_ns, mode="starting"), vehicle_id)
+    assert running.await_health(lambda health: health.bad_input == 2)
+    assert view.receipts.keys() == {FLEET}
+    health = Health(t_ns=time.time_ns(), service="play", version="0", started_ns=time.time_ns())
+    running.put(msgspec.structs.replace(health, recorded=True), "played", "play")
+    deadline_s = time.monotonic() + WAIT_S
+    while "played" not in view.receipts:
+        running.put(Pose(t_ns=ahead_ns, mode="starting"), "played")
+        assert time.monotonic() < deadline_s
+        time.sleep(0.1)
+    assert told_age_s(running, view, ahead_ns, "played") == 0.0
+
+
+def test_a_clock_that_is_not_plausible_refuses_nothing(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    true_ns = time.time_ns
+    monkeypatch.setattr(time, "time_ns", lambda: 60_000_000_000)
+    view = Told(queue.SimpleQueue())
+    running = run(Service("page", views=[view]), ALL)
+    running.await_start()
+    assert told_age_s(running, view, true_ns(), "bus-7") == 0.0
+
+
 def test_no_step_of_the_hosts_clock_makes_a_vehicle_old(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -32,6 +32,7 @@ class Given:
 
     name = "echo-2"
     detail = "given"
+    problem: str | None = None
 
     def __init__(
         self, run: Callable[[Callable[[msgspec.Struct], None]], None], *, can_wait: bool = True
@@ -126,6 +127,28 @@ def test_a_payload_that_cannot_be_read_is_counted_and_dropped(run: Run, payload:
     assert running.await_health(lambda health: health.bad_input > 0).bad_input == 1
     running.put(fix(0.05, 55.0, 10.0))
     running.await_odometer(at(0.05), 1.0)
+
+
+def test_the_lag_of_a_recording_is_not_its_age(run: Run) -> None:
+    running = run(echo(), ONE)
+    running.await_start()
+    running.put(fix(0.05, 55.0, 10.0))
+    health = running.await_health(lambda health: health.lag_ms_p99 is not None)
+    assert health.lag_ms_p99 is not None
+    assert 0.0 < health.lag_ms_p99 < 1_000.0
+
+
+def test_when_older_times_go_on_after_wrong_ones_so_do_the_ticks(run: Run) -> None:
+    running = run(echo(), ONE)
+    running.await_start()
+    for second in range(3):
+        running.put(fix(50.0 + second, 55.0, 10.0))
+    good_s, tenth = time.monotonic(), 0
+    while not any(t_ns < at(49) and speed == 2.0 for t_ns, speed in speeds(running)):
+        tenth += 1
+        running.put(fix(tenth / 10 - 0.05, 55.0, 10.0))
+        assert time.monotonic() - good_s < 5.0
+        time.sleep(0.1)
 
 
 def test_an_old_message_and_one_that_comes_twice_bring_no_ticks(run: Run) -> None:

@@ -11,17 +11,19 @@ import { Connection } from "./connection";
 import type { LineState } from "./connection";
 import { applyView, emptyFleet, nameRoute } from "./fleet";
 import type { Vehicle } from "./fleet";
+import { goneBus } from "./health";
 import { FleetMap } from "./map/map";
 import { mapTools } from "./map/tools";
 import { accessForm } from "./panels/access";
 import { arrivalsPanel } from "./panels/arrivals";
-import { banner } from "./panels/banner";
+import { banner, busBanner } from "./panels/banner";
 import { positioningPanel } from "./panels/positioning";
 import { servicesPanel } from "./panels/services";
 import { slopePanel } from "./panels/slope";
 import { vehiclePanel } from "./panels/vehicle";
 import { vehicleList } from "./panels/vehicles";
 import { chooseVehicle, putInAddress, selectedInAddress } from "./selection";
+import type { Service } from "./view";
 
 /** Text that changes faster is not read; the map moves with every pose. */
 const PANEL_PERIOD_MS = 250;
@@ -94,9 +96,16 @@ function renderTools(): void {
   render(mapTools(map.following, actions), places.tools);
 }
 
+/** The vehicle's own services, then the fleet's. */
+function services(): Service[] {
+  return [...(fleet.vehicles.get(selected() ?? "")?.services ?? []), ...fleet.services];
+}
+
 function renderPanel(): void {
   const now = clock.now();
   const vehicle = fleet.vehicles.get(selected() ?? "");
+  const isBusThere = goneBus(services()) === null;
+  const isLive = line.kind === "open" && isBusThere;
   const parts =
     vehicle === undefined
       ? html`<p class="empty">${wasOpen ? "No vehicle has been heard yet." : "Connecting…"}</p>`
@@ -105,10 +114,10 @@ function renderPanel(): void {
     html`
       <header>
         <h1>Wayline</h1>
-        <span class="line-state ${line.kind}">${line.kind === "open" ? "live" : "not live"}</span>
+        <span class="line-state ${isLive ? "open" : "closed"}">${isLive ? "live" : "not live"}</span>
       </header>
       ${vehicleList(fleet.vehicles.values(), selected(), now, choose)} ${parts}
-      ${servicesPanel(vehicle?.services ?? [], fleet.services)}
+      ${servicesPanel(services(), isBusThere, now)}
     `,
     places.panel,
   );
@@ -127,7 +136,12 @@ function details(vehicle: Vehicle, now: Now): TemplateResult | null {
 
 function renderBanner(): void {
   const tryNow = (): void => connection.tryNow();
-  render(banner(line, wasOpen, performance.now(), tryNow), places.banner);
+  const gone = line.kind === "open" ? goneBus(services()) : null;
+  const said =
+    gone === null
+      ? banner(line, wasOpen, performance.now(), tryNow)
+      : busBanner(gone, clock.now());
+  render(said, places.banner);
 }
 
 function renderAccess(): void {

@@ -88,6 +88,14 @@ export interface Horizon {
   points: SlopePoint[];
 }
 
+/** What a service lacks. */
+export interface Missing {
+  /** "router", "input", "database", or a source's name. */
+  subject: string;
+  what: string;
+  since: string;
+}
+
 export interface Service {
   service: string;
   up: boolean;
@@ -97,10 +105,13 @@ export interface Service {
   out_rate_hz: number | null;
   backlog: number;
   dropped: number;
+  dropped_rate_hz: number;
   bad_input: number;
+  bad_input_rate_hz: number;
   lag_ms_p50: number | null;
   lag_ms_p99: number | null;
   detail: string | null;
+  missing: Missing[];
   recorded: boolean;
 }
 

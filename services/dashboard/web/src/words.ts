@@ -45,6 +45,18 @@ export function duration(seconds: number): string {
   return minutes < 90 ? `${minutes} min` : hoursAndMinutes(minutes);
 }
 
+/** "since 14:05 (5 min)", from a day on with the date. */
+export function since(fromMs: number, nowMs: number): string {
+  const seconds = Math.max(0, (nowMs - fromMs) / 1000);
+  const at = seconds < 86_400 ? MINUTES.format(fromMs) : dateAndTime(fromMs);
+  return `since ${at} (${duration(seconds)})`;
+}
+
+/** "12/s", "0.3/s". */
+export function rate(hz: number): string {
+  return `${hz.toFixed(hz < 10 ? 1 : 0)}/s`;
+}
+
 function hoursAndMinutes(minutes: number): string {
   const hours = Math.floor(minutes / 60);
   if (hours >= 48) {

@@ -1,9 +1,23 @@
-// What is said over the page while the line is not open.
+// What is said over the page while the line is not open, or the bus behind it is gone.
 
 import { html } from "lit-html";
 import type { TemplateResult } from "lit-html";
 
+import type { Now } from "../clock";
 import type { LineState } from "../connection";
+import type { Missing } from "../view";
+import { duration } from "../words";
+
+/** What is said while the server is there and hears nobody. */
+export function busBanner(gone: Missing, now: Now): TemplateResult {
+  const seconds = Math.max(0, (now.serverMs - Date.parse(gone.since)) / 1000);
+  return html`
+    <p class="lost">
+      The bus is gone: what you see is old, and no service is known to be up or down.
+      <span aria-hidden="true">For ${duration(seconds)}.</span>
+    </p>
+  `;
+}
 
 /** `wasOpen`: what is on the page was live once and is now growing old. */
 export function banner(

@@ -1,37 +1,47 @@
-// Services up and down: the vehicle's own, then the fleet's.
+// Services up, down and in want of something: the vehicle's own, then the fleet's.
 
 import { html } from "lit-html";
 import type { TemplateResult } from "lit-html";
 
-import { serviceTone } from "../health";
-import type { Service } from "../view";
+import type { Now } from "../clock";
+import { serviceTone, servicesInWords } from "../health";
+import type { Missing, Service } from "../view";
+import { rate, since } from "../words";
 
-export function servicesPanel(own: Service[], shared: Service[]): TemplateResult | null {
-  const all = [...own, ...shared];
-  if (all.length === 0) {
+/** `isKnown`: the bus tells of services; without it their last state says nothing. */
+export function servicesPanel(
+  services: Service[],
+  isKnown: boolean,
+  now: Now,
+): TemplateResult | null {
+  if (services.length === 0) {
     return null;
   }
-  const down = all.filter((service) => !service.up).length;
   return html`
     <section id="services" aria-labelledby="services-title">
       <h2 id="services-title">
-        Services <span class="count">${down === 0 ? "all up" : `${down} down`}</span>
+        Services <span class="count">${servicesInWords(services, isKnown)}</span>
       </h2>
       <ul>
-        ${all.map(row)}
+        ${services.map((service) => row(service, isKnown, now))}
       </ul>
     </section>
   `;
 }
 
-function row(service: Service): TemplateResult {
+function row(service: Service, isKnown: boolean, now: Now): TemplateResult {
   return html`
-    <li title=${service.detail ?? ""}>
-      <span class="lamp ${serviceTone(service)}"></span>
+    <li>
+      <span class="lamp ${serviceTone(service, isKnown)}"></span>
       <span class="service-name">${service.service}</span>
-      <span class="service-state">${state(service)}</span>
+      <span class="service-state">${isKnown ? state(service) : "not known"}</span>
+      ${service.up || !isKnown ? service.missing.map((each) => lack(each, now)) : null}
     </li>
   `;
+}
+
+function lack({ what, since: from }: Missing, now: Now): TemplateResult {
+  return html`<span class="service-lack">${what}, ${since(Date.parse(from), now.serverMs)}</span>`;
 }
 
 function state(service: Service): string {
@@ -40,16 +50,19 @@ function state(service: Service): string {
   }
   const parts = [];
   if (service.out_rate_hz !== null && service.out_rate_hz > 0) {
-    parts.push(`${service.out_rate_hz.toFixed(service.out_rate_hz < 10 ? 1 : 0)}/s`);
+    parts.push(rate(service.out_rate_hz));
   }
   if (service.lag_ms_p99 !== null) {
     parts.push(`${Math.round(service.lag_ms_p99)} ms`);
   }
-  if (service.dropped > 0) {
-    parts.push(`${service.dropped} dropped`);
+  if (service.dropped_rate_hz > 0) {
+    parts.push(`drops ${rate(service.dropped_rate_hz)}`);
   }
-  if (service.bad_input > 0) {
-    parts.push(`${service.bad_input} bad`);
+  if (service.bad_input_rate_hz > 0) {
+    parts.push(`refuses ${rate(service.bad_input_rate_hz)}`);
   }
-  return parts.length === 0 ? "up" : parts.join(" · ");
+  if (parts.length === 0) {
+    return service.missing.length > 0 ? "waiting" : "up";
+  }
+  return parts.join(" · ");
 }
