@@ -46,14 +46,14 @@ def live(settings: Settings) -> Service:
     vehicle = settings.vehicle
     cores: dict[str, CanIngestCore] = {}
     buses: dict[str, Interface] = {}
-    clock = ReceiverClock(buses.keys(), vehicle.gps_latency_s)
+    host = ReceiverClock(buses.keys(), vehicle.gps_latency_s)
     for name, source in zip(source_names(NAME), settings.can, strict=False):
         mapping = load_mapping(source, vehicle, "configuration [[can]]")
         clock = DriveClock.of(source, doubts_start=True, clock_from_ns=EARLIEST_NS)
         cores[name] = CanIngestCore(source, mapping, vehicle, clock=clock)
         polls = OBD2 in vehicle.profiles if source.obd2 is None else source.obd2
         wanted = Wanted(mapping, REPLIES if polls else ())
-        buses[name] = Interface(name, source, wanted, polls=polls, now_ns=clock.now_ns)
+        buses[name] = Interface(name, source, wanted, polls=polls, now_ns=host.now_ns)
 
     def bad_input() -> int:
         of_cores = sum(core.bad_input + core.dropped for core in cores.values())
@@ -62,7 +62,7 @@ def live(settings: Settings) -> Service:
     return Service(
         NAME,
         lambda _, source: Node(source, cores[source]),
-        views=[clock],
+        views=[host],
         feeds=list(buses.values()),
         make_app=app_with_buses(settings, buses),
         bad_input=bad_input,
