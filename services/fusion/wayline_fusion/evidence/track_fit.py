@@ -23,8 +23,8 @@ SPAN_NS = 90_000_000_000
 """Older fixes are forgotten: a gyro's bias bends a longer way."""
 SEEN_MAX = 90
 FITTED_MIN = 5
-PLACED_S = 30.0
-"""The newest fixes tell where the way ends: reckoning drifts, and fixes become wrong anew."""
+PLACED_TOLD = 2.0
+"""Independent fixes in a mean that forgets over the time for which they are wrong alike."""
 FITTED = 3.0
 """Numbers that a fit takes: a shift and a turn."""
 FREE_SHARE_MIN = 0.25
@@ -123,9 +123,10 @@ class Track(msgspec.Struct, frozen=True):
                 [0.0, 0.0, 0.0, 1.0],
             ]
         )
-        newest = times_s >= times_s[-1] - PLACED_S
-        astray_m = complex(np.mean((left - moves @ solved.solution)[newest]))
-        placed = max(min(told, PLACED_S / CORRELATED_S), 1.0)
+        # reckoning drifts, and fixes become wrong anew: the newest tell best where the way ends
+        weights = np.exp((times_s - times_s[-1]) / CORRELATED_S)
+        astray_m = complex(np.average(left - moves @ solved.solution, weights=weights))
+        placed = min(told, PLACED_TOLD)
         fitted = np.zeros((4, 4))
         fitted[:2, :2] = max(noise_m, claimed_m) ** 2 / placed * np.eye(2)
         fitted[2:, 2:] = solved.covariance
