@@ -61,6 +61,7 @@ class _Cells(NamedTuple):
     lon_deg: str
     heading_deg: str
     speed_mps: str
+    assignment: str
 
 
 class _Places(NamedTuple):
@@ -71,6 +72,7 @@ class _Places(NamedTuple):
     lon_deg: int
     heading_deg: int | None
     speed_mps: int | None
+    assignment: int | None
 
     def of(self, row: Row) -> _Cells:
         """The mapped cells of a row."""
@@ -90,13 +92,14 @@ def _columns(source: AvlSource, header: list[str]) -> _Places:
             )
         return header.index(name.strip())
 
-    heading, speed = columns.heading_deg, columns.speed_mps
+    heading, speed, assignment = columns.heading_deg, columns.speed_mps, columns.assignment
     return _Places(
         place("time", columns.time),
         place("lat_deg", columns.lat_deg),
         place("lon_deg", columns.lon_deg),
         None if heading is None else place("heading_deg", heading),
         None if speed is None else place("speed_mps", speed),
+        None if assignment is None else place("assignment", assignment),
     )
 
 
@@ -111,6 +114,7 @@ def _report(cells: _Cells, zone: zoneinfo.ZoneInfo, last_ns: int) -> PositionRep
         lon_deg=lon_deg,
         heading_deg=number_of(cells.heading_deg),
         speed_mps=number_of(cells.speed_mps),
+        assignment=cells.assignment or None,
     )
 
 

@@ -46,3 +46,5 @@ class PositionReport(msgspec.Struct, frozen=True):
     lon_deg: float
     heading_deg: float | None = None
     speed_mps: float | None = None
+    assignment: str | None = None
+    """Trip or block that the vehicle runs."""

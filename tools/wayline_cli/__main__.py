@@ -123,7 +123,14 @@ def replay_command(
         str | None, typer.Option(help="Keep what is learned there, e.g. sqlite:///wayline.db")
     ] = None,
     route: Annotated[
-        Path | None, typer.Option(help="Route to follow (GeoJSON), instead of the drive's own.")
+        list[Path] | None,
+        typer.Option(
+            help="Route to follow (GeoJSON), instead of the drive's own; may be repeated."
+        ),
+    ] = None,
+    feed: Annotated[
+        list[Path] | None,
+        typer.Option(help="Timetable with the trip to follow (GTFS); may be repeated."),
     ] = None,
 ) -> None:
     """Run a recorded drive through the whole system, as fast as it goes."""
@@ -139,7 +146,8 @@ def replay_command(
             out,
             outages=outages,
             database_url=database,
-            route_path=route,
+            route_paths=route or (),
+            feed_paths=feed or (),
             progressed=progressed,
         )
     _print_summary(summary, out)

@@ -12,6 +12,7 @@ from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
 from wayline.replayed_drive import ReplayedDrive
 from wayline.route_file import load_route
+from wayline.timetable.loading import load_timetable, timetable_warnings
 from wayline.tuning import ArchitectureName
 from wayline_replay.outages import Outage, with_outages
 from wayline_replay.parts import nodes
@@ -48,7 +49,8 @@ def replay(
     *,
     outages: Sequence[Outage] = (),
     database_url: str | None = None,
-    route_path: Path | None = None,
+    route_paths: Sequence[Path] = (),
+    feed_paths: Sequence[Path] = (),
     architecture: ArchitectureName | None = None,
     progressed: Progressed = lambda _: None,
 ) -> Summary:
@@ -64,14 +66,18 @@ def replay(
     if architecture is not None:
         tuning = msgspec.structs.replace(drive.tuning, architecture=architecture)
         drive = msgspec.structs.replace(drive, tuning=tuning)
-    if route_path is None and drive.route is not None:
-        route_path = Path(drive.route.path)
-    route = load_route(route_path) if route_path else None
+    if not route_paths and drive.route is not None:
+        route_paths = [Path(drive.route.path)]
+    routes = tuple(load_route(path) for path in route_paths)
+    assigned = [drive.assignment.name] if drive.assignment else []
+    timetables = tuple(load_timetable(path) for path in feed_paths)
     stream = DriveStream(drive, str(folder))
     messages = with_outages(stream, outages) if outages else iter(stream)
     with JsonLines(out, drive.drive.vehicle_id) as lines:
         span = _Span(lines.write)
-        pipeline = Pipeline(nodes(ReplayedDrive(drive, route, database_url)), span.publish)
+        pipeline = Pipeline(
+            nodes(ReplayedDrive(drive, routes, database_url, timetables)), span.publish
+        )
         for number, received in enumerate(messages):
             pipeline.feed(received.message, received.source)
             if number % REPORT_EVERY == 0:
@@ -86,7 +92,7 @@ def replay(
         counts=lines.counts,
         bad_input=stream.bad_input,
         left_out=stream.left_out,
-        warnings=stream.warnings,
+        warnings=[*stream.warnings, *timetable_warnings(timetables, assigned)],
     )
 
 

@@ -1,7 +1,7 @@
 """Pure: a position report of a transit system as a fix."""
 
 from wayline.inputs import PositionReport
-from wayline.messages import SPEED_MAX_MPS, GpsFix
+from wayline.messages import SPEED_MAX_MPS, TEXT_MAX, GpsFix
 
 
 def fix_of_report(report: PositionReport) -> GpsFix | None:
@@ -21,7 +21,12 @@ def fix_of_report(report: PositionReport) -> GpsFix | None:
         course_deg=_course_deg(report.heading_deg),
         mode=2,
         fix="gps",
+        assignment=_text(report.assignment),
     )
+
+
+def _text(text: str | None) -> str | None:
+    return text if text and len(text) <= TEXT_MAX else None
 
 
 def _speed_mps(speed_mps: float | None) -> float | None:

@@ -40,6 +40,13 @@ class PatternRoutes:
         self.line = _with_vertices_at(self._placed.line, self._placed.alongs_m)
         self._alongs_m = np.clip(self._placed.alongs_m, 0.0, self.line.length_m)
 
+    @property
+    def some_timing(self) -> Timing:
+        """Of a trip of this pattern, whichever: its line and places are every trip's."""
+        place = self._timetable.patterns.index(self.pattern)
+        trip = next(trip for trip in self._timetable.trips if trip.pattern == place)
+        return self._timetable.timings[trip.timing]
+
     def plan_of(self, timing: Timing) -> Plan:
         """When a trip of this timing is at the pattern's stops, in the order of driving."""
         return _plan(self._placed, timing)
