@@ -70,7 +70,7 @@ def replay(
         route_paths = [Path(drive.route.path)]
     routes = tuple(load_route(path) for path in route_paths)
     assigned = [drive.assignment.name] if drive.assignment else []
-    timetables = tuple(load_timetable(path) for path in feed_paths)
+    timetables = tuple(load_timetable(path, database_url) for path in feed_paths)
     stream = DriveStream(drive, str(folder))
     messages = with_outages(stream, outages) if outages else iter(stream)
     with JsonLines(out, drive.drive.vehicle_id) as lines:

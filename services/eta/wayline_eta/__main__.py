@@ -5,6 +5,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from wayline.database import DatabaseAwayError
 from wayline.keys import query_key
 from wayline.node import Node
 from wayline.route import Route
@@ -14,6 +15,7 @@ from wayline.settings import Settings
 from wayline.shell import load_routes
 from wayline.shell import main as run_shell
 from wayline.timetable.loading import load_timetable, timetable_warnings
+from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
@@ -57,7 +59,7 @@ def _make_node(settings: Settings, routes: Sequence[Route]) -> MakeNode:
         return lambda vehicle_id, _: Node(
             NAME, make_eta_core(assigned_routes(routes, named.get(vehicle_id)), tuning)
         )
-    timetables = [load_timetable(Path(feed)) for feed in settings.feeds]
+    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
     for warning in timetable_warnings(timetables, [each.name for each in settings.assignment]):
         sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
     runs = Runs(timetables)
@@ -68,6 +70,15 @@ def _make_node(settings: Settings, routes: Sequence[Route]) -> MakeNode:
         return timetable_node(runs, tuning, assigned.get(vehicle_id))
 
     return make
+
+
+def _loaded(feed: Path, database_url: str | None) -> Timetable:
+    """A timetable; from its feed where the database that may have kept it is away."""
+    try:
+        return load_timetable(feed, database_url)
+    except DatabaseAwayError as error:
+        sys.stderr.write(f"wayline-{NAME}: warning: {error}; {feed} is read anew\n")
+        return load_timetable(feed, None)
 
 
 def main() -> None:

@@ -3,13 +3,33 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from msgspec.structs import replace
+
+from wayline.timetable.keeping import KeptTimetables
 from wayline.timetable.model import Timetable
-from wayline.timetable.reading import read_timetable
+from wayline.timetable.notes import Notes
+from wayline.timetable.reading import read_files, read_timetable
+from wayline.timetable.tables import FeedFiles
 
 
-def load_timetable(path: Path) -> Timetable:
-    """A feed's timetable. Raises InputError where nothing of it can be used."""
-    return read_timetable(path)
+def load_timetable(path: Path, database_url: str | None) -> Timetable:
+    """A feed's timetable, from the database where it was kept there before, else read and kept.
+
+    Raises InputError where nothing of the feed can be used, or the database cannot be.
+    """
+    if database_url is None:
+        return read_timetable(path)
+    notes = Notes()
+    files = FeedFiles(path, notes)
+    kept = KeptTimetables(database_url)
+    try:
+        timetable = kept.find(files.fingerprint())
+        if timetable is None:
+            timetable = read_files(files, notes)
+            kept.keep(timetable)
+    finally:
+        kept.close()
+    return replace(timetable, source=str(path))
 
 
 def timetable_warnings(
