@@ -82,7 +82,10 @@ def _known(
         ROW,
         _coded("trip_id", trip_ids).alias(TRIP),
         _coded("stop_id", stop_ids).alias(STOP),
-        pl.col("stop_sequence").cast(pl.Float64, strict=False).cast(pl.Int32).alias(SEQUENCE),
+        pl.col("stop_sequence")
+        .cast(pl.Float64, strict=False)
+        .cast(pl.Int32, strict=False)
+        .alias(SEQUENCE),
         _seconds(frame, "arrival_time", notes).alias(ARRIVAL),
         _seconds(frame, "departure_time", notes).alias(DEPARTURE),
         pl.when(pl.col("timepoint") == "1").then(1).otherwise(0).cast(pl.Int32).alias(TIMEPOINT),

@@ -150,3 +150,12 @@ def test_stops_on_another_continent_are_refused_with_their_pattern(tmp_path: Pat
     tables["stops.txt"] = tables["stops.txt"].replace("48.118000,11.5", "11.5,48.118000")
     with pytest.raises(InputError, match=r"a leg of .* km"):
         import_route(write_folder(tables, tmp_path), Wishes(trip="T"))
+
+
+@pytest.mark.parametrize("number", ["1e93", "nan", "-7e20"])
+def test_a_sequence_that_no_integer_holds_is_none(number: str, tmp_path: Path) -> None:
+    """That trip is taken in the order of its rows."""
+    tables = good_feed()
+    tables["stop_times.txt"] = tables["stop_times.txt"].replace("S2,3", f"S2,{number}")
+    route = import_route(write_folder(tables, tmp_path), Wishes(trip="T"))
+    assert [stop.stop_id for stop in route.stops] == ["S0", "S1", "S2", "S3", "S4"]
