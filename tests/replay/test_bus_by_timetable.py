@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from unit.timetable.faulty_feeds import good_feed, write_folder
 from wayline_replay.replay import replay
 
 WEST, EAST = "868590120", "868588920"
@@ -70,3 +71,12 @@ def test_the_trip_is_found_within_a_kilometre(
     driven = [one for one in progress if one["distance_m"] > 1_000.0 and one["trip_id"] != EAST]
     assert {one["trip_id"] for one in driven} == {WEST}
     assert [one for one in progress if one["trip_id"] == EAST]
+
+
+def test_a_feed_of_another_continent_is_said_to_fit_nothing(
+    drive: Callable[..., Path], tmp_path: Path
+) -> None:
+    feed = write_folder(good_feed(), tmp_path / "feed")
+    summary = replay(drive(""), tmp_path / "out", feed_paths=[feed])
+    assert summary.counts.get("progress", 0) == 0
+    assert any("no trip fits this drive" in warning for warning in summary.warnings)

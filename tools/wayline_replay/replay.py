@@ -1,18 +1,19 @@
 """Runs a drive through the services' cores in one process, as fast as it can, without a bus."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
 
 from wayline.drive_file import load_drive
-from wayline.messages import Message, Pose
+from wayline.messages import Message, Pose, Progress
 from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
 from wayline.replayed_drive import ReplayedDrive
 from wayline.route_file import load_route
 from wayline.timetable.loading import load_timetable, timetable_warnings
+from wayline.timetable.model import Timetable
 from wayline.tuning import ArchitectureName
 from wayline_replay.outages import Outage, with_outages
 from wayline_replay.parts import nodes
@@ -92,8 +93,19 @@ def replay(
         counts=lines.counts,
         bad_input=stream.bad_input,
         left_out=stream.left_out,
-        warnings=[*stream.warnings, *timetable_warnings(timetables, assigned)],
+        warnings=[
+            *stream.warnings,
+            *timetable_warnings(timetables, assigned),
+            *_without_trip(timetables, lines.counts),
+        ],
     )
+
+
+def _without_trip(timetables: Sequence[Timetable], counts: Mapping[str, int]) -> Iterator[str]:
+    """Where no trip was found: a feed of another place or of other days tells nothing."""
+    if timetables and not counts.get(Progress.topic):
+        names = ", ".join(timetable.source for timetable in timetables)
+        yield f"{names}: no trip fits this drive; check that the feed is of its place and its days"
 
 
 class _Span:
