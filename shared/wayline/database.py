@@ -162,7 +162,7 @@ def _migrate(engine: sa.Engine, service_package: str) -> None:
     folder = Path(str(importlib.import_module(service_package).__file__)).parent / "migrations"
     config.set_main_option("script_location", str(folder).replace("%", "%%"))
     config.set_main_option("path_separator", "os")
-    table = "alembic_version_" + service_package.removeprefix("wayline_")
+    table = "alembic_version_" + service_package.rpartition(".")[2].removeprefix("wayline_")
     scripts = ScriptDirectory.from_config(config)
     with engine.connect() as connection:
         there = MigrationContext.configure(connection, opts={"version_table": table})

@@ -178,6 +178,23 @@ class PathRef(Strict, frozen=True, kw_only=True):
     path: str
 
 
+class Assignment(Strict, frozen=True, kw_only=True):
+    """`[assignment]`: what a vehicle runs, where it is known."""
+
+    route_id: str | None = None
+    block_id: str | None = None
+    trip_id: str | None = None
+
+    @property
+    def name(self) -> str | None:
+        """The trip or block, whichever says more; None where only a route is named."""
+        return self.trip_id or self.block_id
+
+    def __post_init__(self) -> None:
+        if not (self.route_id or self.block_id or self.trip_id):
+            raise ValueError("names neither route_id nor block_id nor trip_id")
+
+
 class Drive(Strict, frozen=True, kw_only=True):
     """A whole `drive.toml`."""
 
@@ -189,3 +206,4 @@ class Drive(Strict, frozen=True, kw_only=True):
     tuning: Tuning = msgspec.field(default_factory=Tuning)
     route: PathRef | None = None
     truth: PathRef | None = None
+    assignment: Assignment | None = None

@@ -245,6 +245,10 @@ class Progress(Message, frozen=True, kw_only=True):
     distance_std_m: Std
     on_route: bool
     speed_mps: SignedSpeed
+    direction_id: Literal[0, 1] | None = None
+    """Of the timetable's trip, as its feed numbers the two directions."""
+    delay_s: float | None = None
+    """Behind the timetable; negative is early. Null without one."""
 
 
 class StopArrival(msgspec.Struct, frozen=True, kw_only=True):
@@ -256,6 +260,11 @@ class StopArrival(msgspec.Struct, frozen=True, kw_only=True):
     arrival_ns: TimeNs
     early_ns: TimeNs
     late_ns: TimeNs
+    departure_ns: TimeNs | None = None
+    scheduled_ns: TimeNs | None = None
+    """Of the arrival, by the timetable."""
+    trip_id: Text | None = None
+    """Where it is of a later trip than the one under way: of the same block."""
 
 
 class Arrivals(Message, frozen=True, kw_only=True):
@@ -265,6 +274,7 @@ class Arrivals(Message, frozen=True, kw_only=True):
     rate_hz: ClassVar[float] = 1.0
 
     route_id: Text
+    trip_id: Text | None = None
     stale: bool
     position_ns: TimeNs | None = None
     """Instant of the position that this rests on."""

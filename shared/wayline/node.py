@@ -21,6 +21,8 @@ class Node:
     name: str
     core: Core
     store: Store | None = None
+    timeless: frozenset[type[Message]] = frozenset()
+    """Messages that make no tick due: what another core makes of them is still to come."""
     wakes_ns: int | None = field(init=False, default=0)
     """Time before this changes nothing while no message comes; None: no time does."""
     age_ns: int = field(init=False, default=0)
@@ -36,6 +38,9 @@ class Node:
 
         `age_ns` is how old the message was when it came, by the host's clock.
         """
+        if type(message) in self.timeless:
+            yield from self.give(message, source)
+            return
         if self._grid is not None:
             yield from self._ticked(self._grid.before(message.t_ns))
         self.wakes_ns, self.age_ns = 0, age_ns

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from wayline.drive import VEHICLE_ID_PATTERN, Vehicle, VehicleId
+from wayline.drive import VEHICLE_ID_PATTERN, Assignment, Vehicle, VehicleId
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
 from wayline.live_sources import LiveCan, LiveNmea
@@ -56,6 +56,12 @@ class RerunSettings(Strict, frozen=True, kw_only=True):
     """File (.rrd) that the live view is also written to."""
 
 
+class VehicleAssignment(Assignment, frozen=True, kw_only=True):
+    """`[[assignment]]`: what one vehicle runs."""
+
+    vehicle_id: VehicleId
+
+
 class Settings(Strict, frozen=True, kw_only=True):
     """A whole `wayline.toml`; one file may serve all services of a machine."""
 
@@ -77,6 +83,10 @@ class Settings(Strict, frozen=True, kw_only=True):
     """How often is looked for what other processes have written."""
     routes: tuple[str, ...] = ()
     """GeoJSON files of the routes, relative to this file."""
+    feeds: tuple[str, ...] = ()
+    """Timetables (GTFS folders or zip files), relative to this file: eta follows their trips."""
+    assignment: tuple[VehicleAssignment, ...] = ()
+    """What vehicles run, where that is known and their reports do not say it."""
     bus: BusSettings = msgspec.field(default_factory=BusSettings)
     http: HttpSettings = msgspec.field(default_factory=HttpSettings)
     ports: dict[ServiceName, Port] = {}
@@ -126,6 +136,7 @@ def load_settings(path: Path, environment: Mapping[str, str] = os.environ) -> Se
     settings = msgspec.structs.replace(
         settings,
         routes=tuple(absolute(route) for route in settings.routes),
+        feeds=tuple(absolute(feed) for feed in settings.feeds),
         can=tuple(
             msgspec.structs.replace(can, dbc=tuple(absolute(dbc) for dbc in can.dbc))
             for can in settings.can

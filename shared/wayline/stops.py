@@ -13,6 +13,8 @@ Floats = NDArray[np.float64]
 
 STOP_REACH_M = 150.0
 """A stop farther from the line than this, in its order, is taken for a mistake."""
+LEG_M = 200.0
+"""On longer legs two stops in the wrong order would have no places that are near to both."""
 
 
 class StopPlace(NamedTuple):
@@ -45,11 +47,38 @@ def place_stops(
     points of all legs; the earlier place wins a tie). Raises InputError for a stop that has no
     place within STOP_REACH_M in its order.
     """
+    alongs_m = [float(along_m) for along_m in _placed(where, line, stops, STOP_REACH_M)]
+    if loop:
+        alongs_m = [0.0 if line.length_m - along_m < 1e-6 else along_m for along_m in alongs_m]
+    return tuple(Stop(*stop, along_m) for stop, along_m in zip(stops, alongs_m, strict=True))
+
+
+def nearest_in_order(line: Line, stops: Sequence[StopPlace]) -> Floats:
+    """Where stops lie along a line in their order, however far from it, shape (stops,).
+
+    The sum of their offsets is the least; never falling.
+    """
+    return np.array(_placed("", _finely_divided(line), stops, np.inf), dtype=np.float64)
+
+
+def _finely_divided(line: Line) -> Line:
+    """The line in short legs, two at least: stops out of order then have places beside others."""
+    counts = np.maximum(np.ceil(line.legs_m / LEG_M), 2 if len(line.legs_m) == 1 else 1)
+    steps = [
+        begin + np.arange(count) / count * leg
+        for begin, count, leg in zip(line.distances_m, counts, line.legs_m, strict=False)
+    ]
+    distances_m = np.append(np.concatenate(steps), line.length_m)
+    points = np.array([line.point_at(float(distance_m))[:2] for distance_m in distances_m])
+    return Line(points[:, 0], points[:, 1])
+
+
+def _placed(where: str, line: Line, stops: Sequence[StopPlace], reach_m: float) -> list[float]:
     nearest = [line.project_legs(stop.lat_deg, stop.lon_deg) for stop in stops]
     costs: list[Floats] = []
     came_from: list[NDArray[np.intp]] = []
     for position, projections in enumerate(nearest):
-        within = projections.offsets_m <= STOP_REACH_M
+        within = projections.offsets_m <= reach_m
         cost = np.where(within, np.round(projections.offsets_m, 2), np.inf)
         if position:
             back = _best_so_far(costs[-1])
@@ -60,10 +89,7 @@ def place_stops(
             _refuse_stop(where, stops[position], float(projections.offsets_m.min()))
         costs.append(cost)
     legs = _trace_back(costs, came_from)
-    alongs_m = [float(nearest[i].alongs_m[leg]) for i, leg in enumerate(legs)]
-    if loop:
-        alongs_m = [0.0 if line.length_m - along_m < 1e-6 else along_m for along_m in alongs_m]
-    return tuple(Stop(*stop, along_m) for stop, along_m in zip(stops, alongs_m, strict=True))
+    return [float(nearest[i].alongs_m[leg]) for i, leg in enumerate(legs)]
 
 
 def _best_so_far(cost: Floats) -> NDArray[np.intp]:

@@ -35,7 +35,9 @@ app = typer.Typer(
 )
 route_app = typer.Typer(help="Routes for the arrivals service.", no_args_is_help=True)
 slope_app = typer.Typer(help="Slope databases.", no_args_is_help=True)
+timetable_app = typer.Typer(help="Timetables: GTFS feeds.", no_args_is_help=True)
 app.add_typer(route_app, name="route")
+app.add_typer(timetable_app, name="timetable")
 app.add_typer(evaluate_app, name="evaluate")
 app.command("simulate")(simulate_command)
 app.add_typer(slope_app, name="slope")
@@ -121,7 +123,14 @@ def replay_command(
         str | None, typer.Option(help="Keep what is learned there, e.g. sqlite:///wayline.db")
     ] = None,
     route: Annotated[
-        Path | None, typer.Option(help="Route to follow (GeoJSON), instead of the drive's own.")
+        list[Path] | None,
+        typer.Option(
+            help="Route to follow (GeoJSON), instead of the drive's own; may be repeated."
+        ),
+    ] = None,
+    feed: Annotated[
+        list[Path] | None,
+        typer.Option(help="Timetable with the trip to follow (GTFS); may be repeated."),
     ] = None,
 ) -> None:
     """Run a recorded drive through the whole system, as fast as it goes."""
@@ -137,7 +146,8 @@ def replay_command(
             out,
             outages=outages,
             database_url=database,
-            route_path=route,
+            route_paths=route or (),
+            feed_paths=feed or (),
             progressed=progressed,
         )
     _print_summary(summary, out)
@@ -208,7 +218,9 @@ def route_import_command(
         Path, typer.Argument(help="CSV of points, GPX, GeoJSON; or a GTFS folder or zip.")
     ],
     *,
-    out: Annotated[Path, typer.Option(help="GeoJSON file to write.")],
+    out: Annotated[
+        Path, typer.Option(help="GeoJSON file to write; a folder: one file a pattern of a feed.")
+    ],
     route_id: Annotated[
         str | None, typer.Option(help="Of a line; default: its own, else the file's name.")
     ] = None,
@@ -222,12 +234,32 @@ def route_import_command(
     trip: Annotated[str | None, typer.Option(help="Of a GTFS feed: the trip to follow.")] = None,
 ) -> None:
     """Make a route; the speed of a CSV's point holds until the next one."""
-    from wayline.route_file import write_route
-    from wayline_cli.route_import import Wishes, import_route
+    from wayline.timetable.notes import Notes
+    from wayline_cli.route_import import Wishes, import_patterns, import_route, is_feed
+    from wayline_cli.route_writing import is_folder, write_routes
 
-    route = import_route(source, Wishes(route_id, name, loop, line, trip))
-    write_route(route, out)
-    typer.echo(f"{out}: {route.route_id}, {route.length_m:,.0f} m, {route.duration_s:,.0f} s")
+    notes = Notes()
+    if trip is None and is_folder(out) and is_feed(source):
+        routes = import_patterns(source, notes)
+    else:
+        routes = [import_route(source, Wishes(route_id, name, loop, line, trip), notes)]
+    for note in notes.all():
+        typer.echo(f"warning: {note}", err=True)
+    for path, route in write_routes(routes, out):
+        planned_s = route.duration_s + float(route.stop_dwells_s[:-1].sum())
+        typer.echo(f"{path}: {route.route_id}, {route.length_m:,.0f} m, {planned_s:,.0f} s")
+
+
+@timetable_app.command("check")
+def timetable_check_command(
+    feed: Annotated[Path, typer.Argument(help="GTFS folder or zip.")],
+) -> None:
+    """Say what a feed holds, what was mended, and what cannot be used."""
+    import datetime as dt
+
+    from wayline_cli.timetable_check import check_timetable
+
+    check_timetable(feed, dt.datetime.now(dt.UTC).date(), Console())
 
 
 @slope_app.command("export")

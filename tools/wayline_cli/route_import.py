@@ -8,7 +8,10 @@ from typing import NamedTuple
 from wayline.errors import InputError
 from wayline.log_file import decoded, head_of
 from wayline.route import Route, make_route
-from wayline_cli.gtfs_route import ZIP_DAMAGE, only_trip, route_from_gtfs
+from wayline.timetable.notes import Notes
+from wayline.timetable.reading import read_timetable
+from wayline.timetable.tables import ZIP_DAMAGE
+from wayline_cli.gtfs_route import only_trip, route_of_trip, routes_of_patterns
 from wayline_cli.imported_line import ImportedLine, only_line
 from wayline_cli.route_csv import lines_of_csv
 from wayline_cli.route_geojson import lines_of_geojson
@@ -37,16 +40,33 @@ class Wishes(NamedTuple):
     """Of a GTFS feed."""
 
 
-def import_route(source: Path, wishes: Wishes) -> Route:
-    """The route of a file, of whatever kind its content is. Raises InputError."""
-    if not source.exists():
-        raise InputError(str(source), "no such file", "check the path")
-    if source.is_dir() or zipfile.is_zipfile(source):
-        _check_zip(source)
-        return route_from_gtfs(source, wishes.trip or only_trip(source))
+def import_route(source: Path, wishes: Wishes, notes: Notes | None = None) -> Route:
+    """The route of a file, of whatever kind its content is; `notes` gets what was mended.
+
+    Raises InputError.
+    """
+    if is_feed(source):
+        notes = notes or Notes()
+        timetable = read_timetable(source, notes)
+        return route_of_trip(timetable, wishes.trip or only_trip(timetable), notes).route
     line = only_line(source, _lines(source), wishes.line)
     route_id = wishes.route_id or line.line_id or source.name.partition(".")[0]
     return route_from_line(source, line, route_id, wishes)
+
+
+def import_patterns(source: Path, notes: Notes) -> list[Route]:
+    """A route for every pattern of a GTFS feed; `notes` gets what was mended. Raises InputError."""
+    return list(routes_of_patterns(read_timetable(source, notes), notes))
+
+
+def is_feed(source: Path) -> bool:
+    """Whether it is a folder or a zip file. Raises InputError for one that holds something else."""
+    if not source.exists():
+        raise InputError(str(source), "no such file", "check the path")
+    if not source.is_dir() and not zipfile.is_zipfile(source):
+        return False
+    _check_zip(source)
+    return True
 
 
 def route_from_line(source: Path, line: ImportedLine, route_id: str, wishes: Wishes) -> Route:

@@ -73,7 +73,7 @@ def _record(
         if route_path is None and drive.route is not None:
             route_path = Path(drive.route.path)
         out = scratch / "replay"
-        replay(source, out, route_path=route_path, progressed=progressed)
+        replay(source, out, route_paths=[route_path] if route_path else [], progressed=progressed)
         source = out
     started = time.perf_counter()
     messages = read_logged(source)

@@ -1,17 +1,19 @@
 """Runs a drive through the services' cores in one process, as fast as it can, without a bus."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
 
 from wayline.drive_file import load_drive
-from wayline.messages import Message, Pose
+from wayline.messages import Message, Pose, Progress
 from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
 from wayline.replayed_drive import ReplayedDrive
 from wayline.route_file import load_route
+from wayline.timetable.loading import load_timetable, timetable_warnings
+from wayline.timetable.model import Timetable
 from wayline.tuning import ArchitectureName
 from wayline_replay.outages import Outage, with_outages
 from wayline_replay.parts import nodes
@@ -50,7 +52,8 @@ def replay(
     outages: Sequence[Outage] = (),
     withheld: Withheld = NOTHING,
     database_url: str | None = None,
-    route_path: Path | None = None,
+    route_paths: Sequence[Path] = (),
+    feed_paths: Sequence[Path] = (),
     architecture: ArchitectureName | None = None,
     progressed: Progressed = lambda _: None,
 ) -> Summary:
@@ -66,15 +69,19 @@ def replay(
     if architecture is not None:
         tuning = msgspec.structs.replace(drive.tuning, architecture=architecture)
         drive = msgspec.structs.replace(drive, tuning=tuning)
-    if route_path is None and drive.route is not None:
-        route_path = Path(drive.route.path)
-    route = load_route(route_path) if route_path else None
+    if not route_paths and drive.route is not None:
+        route_paths = [Path(drive.route.path)]
+    routes = tuple(load_route(path) for path in route_paths)
+    assigned = [drive.assignment.name] if drive.assignment else []
+    timetables = tuple(load_timetable(path, database_url) for path in feed_paths)
     stream = DriveStream(drive, str(folder))
     messages = without(stream, withheld)
     messages = with_outages(messages, outages) if outages else messages
     with JsonLines(out, drive.drive.vehicle_id) as lines:
         span = _Span(lines.write)
-        pipeline = Pipeline(nodes(ReplayedDrive(drive, route, database_url)), span.publish)
+        pipeline = Pipeline(
+            nodes(ReplayedDrive(drive, routes, database_url, timetables)), span.publish
+        )
         for number, received in enumerate(messages):
             pipeline.feed(received.message, received.source)
             if number % REPORT_EVERY == 0:
@@ -89,8 +96,19 @@ def replay(
         counts=lines.counts,
         bad_input=stream.bad_input,
         left_out=stream.left_out,
-        warnings=stream.warnings,
+        warnings=[
+            *stream.warnings,
+            *timetable_warnings(timetables, assigned),
+            *_without_trip(timetables, lines.counts),
+        ],
     )
+
+
+def _without_trip(timetables: Sequence[Timetable], counts: Mapping[str, int]) -> Iterator[str]:
+    """Where no trip was found: a feed of another place or of other days tells nothing."""
+    if timetables and not counts.get(Progress.topic):
+        names = ", ".join(timetable.source for timetable in timetables)
+        yield f"{names}: no trip fits this drive; check that the feed is of its place and its days"
 
 
 class _Span:

@@ -1,16 +1,26 @@
 """The eta process."""
 
+import sys
 from argparse import Namespace
+from collections.abc import Sequence
+from pathlib import Path
 
+from wayline.database import DatabaseAwayError
 from wayline.keys import query_key
 from wayline.node import Node
+from wayline.route import Route
+from wayline.seats import MakeNode
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import load_routes
 from wayline.shell import main as run_shell
+from wayline.timetable.loading import load_timetable, timetable_warnings
+from wayline.timetable.model import Timetable
+from wayline.timetable.runs import Runs
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
-from wayline_eta.core import make_eta_core
+from wayline_eta.core import assigned_routes, make_eta_core
+from wayline_eta.timetable_core import timetable_node
 
 NAME = "eta"
 
@@ -19,11 +29,12 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     del options
     routes = load_routes(settings)
+    make_node = _make_node(settings, routes)
     board = EtaBoard()
     return Service(
         NAME,
-        lambda *_: Node(NAME, make_eta_core(routes, settings.tuning)),
-        make_eta_core(routes, settings.tuning).reads,
+        make_node,
+        make_node("", "").core.reads,
         views=[board],
         make_app=lambda healthz, telemetry: create_eta_app(
             board,
@@ -38,6 +49,36 @@ def build(settings: Settings, options: Namespace) -> Service:
             )
         },
     )
+
+
+def _make_node(settings: Settings, routes: Sequence[Route]) -> MakeNode:
+    """Cores on the configured timetables; without any on the configured routes."""
+    tuning = settings.tuning
+    named = {each.vehicle_id: each.route_id for each in settings.assignment}
+    if not settings.feeds:
+        return lambda vehicle_id, _: Node(
+            NAME, make_eta_core(assigned_routes(routes, named.get(vehicle_id)), tuning)
+        )
+    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
+    for warning in timetable_warnings(timetables, [each.name for each in settings.assignment]):
+        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
+    runs = Runs(timetables)
+    assigned = {each.vehicle_id: each.name for each in settings.assignment}
+
+    def make(vehicle_id: str, source: str) -> Node:
+        del source
+        return timetable_node(runs, tuning, assigned.get(vehicle_id))
+
+    return make
+
+
+def _loaded(feed: Path, database_url: str | None) -> Timetable:
+    """A timetable; from its feed where the database that may have kept it is away."""
+    try:
+        return load_timetable(feed, database_url)
+    except DatabaseAwayError as error:
+        sys.stderr.write(f"wayline-{NAME}: warning: {error}; {feed} is read anew\n")
+        return load_timetable(feed, None)
 
 
 def main() -> None:

@@ -67,6 +67,11 @@ def make_eta_core(routes: Sequence[Route], tuning: Tuning) -> EtaCore | Referenc
     return EtaCore(routes, tuning)
 
 
+def assigned_routes(routes: Sequence[Route], route_id: str | None) -> Sequence[Route]:
+    """The route that a vehicle is assigned to; all where that is none of them."""
+    return [route for route in routes if route.route_id == route_id] or routes
+
+
 class ByPose:
     """Follows the route that the vehicle is on; while it is on none, all of them.
 

@@ -2,10 +2,16 @@
 
 from wayline.node import Node
 from wayline.replayed_drive import ReplayedDrive
-from wayline_eta.core import make_eta_core
+from wayline.timetable.runs import Runs
+from wayline_eta.core import assigned_routes, make_eta_core
+from wayline_eta.timetable_core import timetable_node
 
 
 def node(replay: ReplayedDrive) -> Node:
-    """Eta on the drive's route."""
-    routes = [replay.route] if replay.route else []
-    return Node("eta", make_eta_core(routes, replay.drive.tuning))
+    """Eta on the drive's routes, or on the trips of its timetables."""
+    drive = replay.drive
+    if replay.timetables:
+        assignment = drive.assignment.name if drive.assignment else None
+        return timetable_node(Runs(replay.timetables), drive.tuning, assignment)
+    named = drive.assignment.route_id if drive.assignment else None
+    return Node("eta", make_eta_core(assigned_routes(replay.routes, named), drive.tuning))

@@ -37,6 +37,21 @@ class RouteFollower:
         return abs(self._place.cross_track_m) if self._place else float("inf")
 
     @property
+    def total_m(self) -> float:
+        """How far along the route the vehicle is; 0 before the first pose."""
+        return self._place.total_m if self._place else 0.0
+
+    @property
+    def served_m(self) -> float:
+        """Stops up to here have been arrived at."""
+        return self._visits.served_m
+
+    def run_as(self, route: Route) -> None:
+        """Go on by another plan of the same line: other speeds and dwells."""
+        self.route = route
+        self._visits.run_as(route)
+
+    @property
     def ended(self) -> bool:
         """The vehicle is at the end of an open route: it may be about to start another."""
         at_m = self._place.total_m if self._place else 0.0

@@ -32,6 +32,10 @@ class StopVisits:
         """Stops up to here have been arrived at."""
         return 0.0 if self._served_m is None else self._served_m
 
+    def run_as(self, route: Route) -> None:
+        """Go on by another plan of the same line: other dwells."""
+        self._route = route
+
     def observe(self, total_m: float, speed_mps: float, t_ns: int) -> None:
         """Take the vehicle's next place and speed."""
         served_m = total_m if self._served_m is None else self._served_m

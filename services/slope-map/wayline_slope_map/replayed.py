@@ -11,10 +11,10 @@ IN_MEMORY = "sqlite://"
 
 
 def node(replay: ReplayedDrive) -> Node:
-    """Slope-map with the roads that the database knows; the drive's route, if any, is the road."""
-    drive, route = replay.drive, replay.route
+    """Slope-map with the roads that the database knows; the drive's routes, if any, are roads."""
+    drive = replay.drive
     store = SlopeStore(open_database(replay.database_url or IN_MEMORY, "wayline_slope_map"))
     roads = KnownRoads(store.load_roads())
-    if route is not None:
+    for route in replay.routes:
         roads.follow(route.line, route.route_id, loop=route.loop, bin_m=drive.tuning.map_bin_m)
     return Node("slope-map", SlopeMapCore(roads, drive.tuning, drive.drive.vehicle_id), store)

@@ -274,7 +274,8 @@ def test_the_only_trip_of_a_feed_needs_no_name(tmp_path: Path, encoding: str, fo
 def test_a_feed_is_said_to_have_the_trips_that_it_has(
     tmp_path: Path, trips: str, says: str
 ) -> None:
-    for table, text in {**FEED, "trips.txt": trips}.items():
+    both = FEED["stop_times.txt"] + FEED["stop_times.txt"].partition("\n")[2].replace("t1", "t2")
+    for table, text in {**FEED, "trips.txt": trips, "stop_times.txt": both}.items():
         (tmp_path / table).write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=says):
         run(tmp_path, tmp_path / "r.geojson")

@@ -1,0 +1,127 @@
+"""Pure: poses of one vehicle into progress and arrivals on the trip of a timetable that it runs."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import msgspec
+
+from wayline.core import Record, Sleep
+from wayline.inputs import Tick
+from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArrival
+from wayline.node import Node
+from wayline.timetable.runs import Run, Runs
+from wayline.tuning import Tuning
+from wayline_eta.arrivals import predict_arrivals
+from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
+from wayline_eta.trip_choice import Followed, TripChoice
+
+SECOND_NS = 1_000_000_000
+
+
+def timetable_node(runs: Runs, tuning: Tuning, assignment: str | None) -> Node:
+    """A core with its name; `assignment` is the trip or block that is known without reports.
+
+    The poses that fusion makes of a fix come after it, and ticks wait for them.
+    """
+    return Node("eta", TimetableEtaCore(runs, tuning, assignment), timeless=frozenset({GpsFix}))
+
+
+class TimetableEtaCore:
+    """One vehicle's trip, progress and arrivals once a second, from poses and reports.
+
+    Nothing comes while no trip is known or found.
+    """
+
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
+    period_ns: ClassVar[int | None] = SECOND_NS
+
+    def __init__(self, runs: Runs, tuning: Tuning, assignment: str | None = None) -> None:
+        self._choice = TripChoice(runs, tuning)
+        self._tuning, self._configured = tuning, assignment
+        self._pose: Pose | None = None
+        self._is_stale = False
+        """Whether it has been told that the pose is old."""
+
+    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
+        """Take a pose, a report with an assignment or a tick; anything else is not read."""
+        del source
+        if isinstance(message, GpsFix):
+            self._choice.assign(message.assignment, message.t_ns)
+            if message.valid:
+                self._choice.count_fix()
+        elif isinstance(message, Pose):
+            self._take(message)
+        elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
+            return self._tell(message.t_ns, message.age_ns)
+        return ()
+
+    def _take(self, pose: Pose) -> None:
+        if pose.lat_deg is None or pose.lon_deg is None or pose.mode == "lost":
+            return
+        self._choice.assign(self._configured, pose.t_ns)
+        self._pose, self._is_stale = pose, False
+        self._choice.observe(pose, pose.lat_deg, pose.lon_deg)
+
+    def _tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
+        pose, current = self._pose, self._choice.current
+        if pose is None or current is None:
+            return []
+        age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
+        if age_s > self._tuning.eta_forget_after_s:
+            self._pose = None
+            return [self._arrivals(current, t_ns, pose.t_ns, (), stale=True)]
+        stale = age_s > self._tuning.eta_stale_after_s
+        if stale and self._is_stale:
+            return []
+        self._is_stale = stale
+        stops = self._stops(current, t_ns)
+        arrivals = self._arrivals(current, t_ns, pose.t_ns, stops, stale=stale)
+        progress = None if stale else self._progress(current, t_ns)
+        return [arrivals] if progress is None else [progress, arrivals]
+
+    def _trip_id(self, run: Run) -> str | None:
+        return run.trip.trip_id if self._choice.is_certain else None
+
+    def _progress(self, current: Followed, t_ns: int) -> Progress | None:
+        progress, run = current.follower.progress(t_ns), current.run
+        if progress is None:
+            return None
+        known = self._choice.is_certain and progress.on_route
+        return msgspec.structs.replace(
+            progress,
+            route_id=run.pattern.route_id,
+            trip_id=self._trip_id(run),
+            direction_id=run.pattern.direction_id,
+            delay_s=run.delay_s(progress.distance_m, t_ns) if known else None,
+        )
+
+    def _stops(self, current: Followed, t_ns: int) -> tuple[StopArrival, ...]:
+        outlook, run = current.follower.outlook(t_ns), current.run
+        if outlook is None:
+            return ()
+        first_m = float(run.trip_route.route.stop_distances_m[0])
+        if outlook.total_m <= first_m + self._tuning.stop_radius_m:
+            waits_s = max((run.departs_ns - outlook.t_ns) * 1e-9, outlook.dwell_left_s)
+            outlook = outlook._replace(dwell_left_s=waits_s)
+        told = of_run(run, predict_arrivals(run.trip_route.route, outlook, t_ns))
+        if not self._choice.is_certain:
+            return before_the_fork(told, self._choice.rivals)
+        return (*told, *of_next_run(self._choice.next_run, told))
+
+    def _arrivals(
+        self,
+        current: Followed,
+        t_ns: int,
+        position_ns: int,
+        stops: tuple[StopArrival, ...],
+        *,
+        stale: bool,
+    ) -> Arrivals:
+        return Arrivals(
+            t_ns=t_ns,
+            route_id=current.run.pattern.route_id,
+            trip_id=self._trip_id(current.run),
+            stale=stale,
+            position_ns=position_ns,
+            stops=stops,
+        )

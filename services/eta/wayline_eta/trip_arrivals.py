@@ -1,0 +1,66 @@
+"""Pure: predicted arrivals with what the timetable says: scheduled times, departures, next trip."""
+
+from collections.abc import Sequence
+from itertools import takewhile
+
+import msgspec
+
+from wayline.messages import LIST_MAX, StopArrival
+from wayline.timetable.runs import Run
+
+SECOND_NS = 1_000_000_000
+
+
+def of_run(run: Run, told: Sequence[StopArrival]) -> tuple[StopArrival, ...]:
+    """Arrivals of a run with their scheduled time and the departure that follows."""
+    stops, plan = run.trip_route.route.stops, run.trip_route.plan
+    last = {stop.stop_id: at for at, stop in reversed(list(enumerate(stops)))}
+    found = []
+    for arrival in told:
+        at = last[arrival.stop_id]
+        departs_ns = arrival.arrival_ns + round(stops[at].dwell_s * SECOND_NS)
+        if at == 0:
+            departs_ns = max(departs_ns, run.departs_ns)
+        scheduled_ns = run.starts_ns + round(float(plan.arrivals_s[at]) * SECOND_NS)
+        found.append(
+            msgspec.structs.replace(arrival, scheduled_ns=scheduled_ns, departure_ns=departs_ns)
+        )
+    return tuple(found)
+
+
+def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArrival, ...]:
+    """Arrivals of the block's next trip after those of the present one, each stop once.
+
+    It leaves at its time, or as soon as the vehicle has come; the spread goes on as it is.
+    """
+    if run is None or not before:
+        return ()
+    end, route, plan = before[-1], run.trip_route.route, run.trip_route.plan
+    leaves_ns = max(run.departs_ns, end.arrival_ns)
+    late_ns = leaves_ns - run.departs_ns
+    seen = {stop.stop_id for stop in before}
+    found: dict[str, StopArrival] = {}
+    for at, stop in enumerate(route.stops):
+        if stop.stop_id in seen or len(seen) + len(found) >= LIST_MAX:
+            continue
+        time_s = plan.departures_s[at] if at == 0 else plan.arrivals_s[at]
+        scheduled_ns = run.starts_ns + round(float(time_s) * SECOND_NS)
+        arrival = StopArrival(
+            stop_id=stop.stop_id,
+            name=stop.name,
+            distance_m=end.distance_m + stop.distance_m,
+            arrival_ns=scheduled_ns + late_ns,
+            early_ns=scheduled_ns,
+            late_ns=scheduled_ns + late_ns + (end.late_ns - end.arrival_ns),
+            departure_ns=scheduled_ns + late_ns + round(stop.dwell_s * SECOND_NS),
+            scheduled_ns=scheduled_ns,
+            trip_id=run.trip.trip_id,
+        )
+        found.setdefault(stop.stop_id, arrival)
+    return tuple(found.values())
+
+
+def before_the_fork(told: Sequence[StopArrival], rivals: Sequence[Run]) -> tuple[StopArrival, ...]:
+    """The arrivals up to the first stop that a rival line does not serve."""
+    served = [{stop.stop_id for stop in run.trip_route.route.stops} for run in rivals]
+    return tuple(takewhile(lambda stop: all(stop.stop_id in each for each in served), told))

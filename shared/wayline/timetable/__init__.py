@@ -1,0 +1,1 @@
+"""Timetables as agencies publish them: GTFS feeds, read whole, mended, and kept."""

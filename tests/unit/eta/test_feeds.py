@@ -1,0 +1,40 @@
+"""Eta with timetables in its configuration."""
+
+from argparse import Namespace
+from pathlib import Path
+
+import pytest
+
+from unit.timetable.faulty_feeds import FAULTS, good_feed, write_folder
+from wayline.settings import Settings, VehicleAssignment
+from wayline_eta.__main__ import build
+from wayline_eta.timetable_core import TimetableEtaCore
+
+
+def test_feeds_make_cores_of_timetables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What was mended, and a block that no feed has, is said when it starts."""
+    tables = good_feed()
+    next(fault for fault in FAULTS if fault.name == "doubled").put(tables)
+    settings = Settings(
+        vehicles=("*",),
+        feeds=(str(write_folder(tables, tmp_path)),),
+        assignment=(VehicleAssignment(vehicle_id="bus-1", block_id="nobody"),),
+    )
+    service = build(settings, Namespace())
+    assert isinstance(service.make_node("bus-1", "").core, TimetableEtaCore)
+    said = capsys.readouterr().err
+    assert "are there twice" in said
+    assert "[assignment] nobody: no feed has such a trip or block" in said
+
+
+def test_a_database_that_is_away_stops_no_start(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The feed is read anew, and that is said."""
+    settings = Settings(
+        vehicles=("*",),
+        feeds=(str(write_folder(good_feed(), tmp_path)),),
+        database_url=f"sqlite:///{tmp_path}/away/eta.db",
+    )
+    build(settings, Namespace())
+    assert "is read anew" in capsys.readouterr().err
