@@ -8,7 +8,7 @@ from wayline.core import Record
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.roads import Road
 
-Sensor = Literal["fused", "gps", "barometer"]
+Sensor = Literal["fused", "gps", "barometer", "torque", "vehicle"]
 Direction = Literal[1, -1]
 """1 along the road's line, -1 against it."""
 
