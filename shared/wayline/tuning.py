@@ -148,7 +148,7 @@ class Tuning(Strict, frozen=True, kw_only=True):
     the vehicle itself reports."""
     slope_initial_std_pct: Positive = 4.0
     """Roads are rarely steeper than 8 %."""
-    curvature_std_pct_per_m: Positive = 0.04
+    curvature_std_pct_per_m: Positive = 0.037
     """Of vertical curves: 2 % of slope in 50 m."""
     curvature_length_m: Positive = 60.0
     """Over which a vertical curve goes on."""

@@ -20,8 +20,9 @@ class RunBin(msgspec.Struct, frozen=True):
     sensor: Sensor
     grade_pct: float
     grade_std_pct: float
-    alt_m: float
-    alt_std_m: float
+    alt_m: float | None
+    """None where no altimeter told one."""
+    alt_std_m: float | None
 
 
 class FinishedRun(Record, frozen=True, kw_only=True):
