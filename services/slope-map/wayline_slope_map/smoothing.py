@@ -75,6 +75,8 @@ def smooth(sensed: Sensed, times_s: Floats, travelled_m: Floats, tuning: Tuning)
     """
     if sum(len(measured.times_s) for measured in sensed) < 2:
         return None
+    if not len(sensed.gps.alt_m) and not len(sensed.barometer.alt_m):
+        tuning = msgspec.structs.replace(tuning, vertical_sensors=("torque", "vehicle"))
     nodes = _nodes(sensed, times_s, travelled_m)
     forward = _ForwardPass(sensed, tuning)
     x, P = forward.smoothed(nodes)

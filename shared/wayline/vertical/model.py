@@ -25,6 +25,8 @@ S = VerticalStates
 ALTITUDE_UNKNOWN_M = 1_000.0
 """Std of an altitude of which nothing is known."""
 GRAVITY_MPS2 = 9.81
+MASS_ALONE_STD = 0.01
+"""Of a mass that is taken as it is stated, as a share of it."""
 LOADED_AFTER_S = 300.0
 """A vehicle that stands so long may have another load."""
 
@@ -62,8 +64,10 @@ class VerticalModel:
         self._bias_std_m = tuning.baro_bias_initial_std_m
         self._torque_bias_std = tuning.torque_bias_std_pct / 100.0
         self._torque_bias_walk = (tuning.torque_bias_walk_pct_per_sqrt_s / 100.0) ** 2
-        self._mass_std = tuning.mass_std_share
-        self._loading = tuning.mass_std_share**2 / LOADED_AFTER_S
+        # without an altimeter a mass cannot be told from a slope
+        has_altimeter = {"gps", "barometer"} & set(tuning.vertical_sensors)
+        self._mass_std = tuning.mass_std_share if has_altimeter else MASS_ALONE_STD
+        self._loading = self._mass_std**2 / LOADED_AFTER_S
         self._own_bias_std = tuning.vehicle_slope_bias_std_pct / 100.0
 
     def first(self) -> tuple[Floats, Floats]:
