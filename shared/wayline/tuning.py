@@ -11,6 +11,8 @@ Positive = Annotated[float, Meta(gt=0.0)]
 Probability = Annotated[float, Meta(gt=0.0, lt=1.0)]
 ArchitectureName = Literal["loose", "uncoupled", "gps_only", "gps_only_modified"]
 
+VerticalSensor = Literal["gps", "barometer", "torque", "vehicle"]
+
 
 class Tuning(Strict, frozen=True, kw_only=True):
     """Defaults suit a car with a consumer receiver, wheel speed and a MEMS gyro."""
@@ -141,26 +143,44 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """A parked vehicle's heading may have changed, as its position."""
 
     # fusion, vertical
-    vertical_sensors: tuple[Literal["gps", "barometer"], ...] = ("gps", "barometer")
-    """Each can be run alone, as papers/004 does."""
+    vertical_sensors: tuple[VerticalSensor, ...] = ("gps", "barometer", "torque", "vehicle")
+    """Each can be run alone, as papers/004 does, or with any others; `vehicle` is the slope that
+    the vehicle itself reports."""
     slope_initial_std_pct: Positive = 4.0
     """Roads are rarely steeper than 8 %."""
-    slope_walk_pct_per_sqrt_m: Positive = 0.22
-    """Vertical curves: 2 % in 80 m."""
+    curvature_std_pct_per_m: Positive = 0.037
+    """Of vertical curves: 2 % of slope in 50 m."""
+    curvature_length_m: Positive = 60.0
+    """Over which a vertical curve goes on."""
     baro_bias_initial_std_m: Positive = 150.0
     """Weather: 1013 hPa plus or minus 20."""
-    baro_bias_walk_m_per_sqrt_s: Positive = 0.05
-    """Weather and ventilation: 3 m in an hour."""
+    baro_bias_walk_m_per_sqrt_s: Positive = 0.1
+    """Weather and ventilation: 0.8 m in a minute, 6 m in an hour."""
     baro_std_m: Positive = 0.5
     """Noise of a barometer besides its resolution."""
     baro_resolution_std_max_m: Positive = 5.0
     """Coarser barometers say nothing of the road."""
     baro_relock_after_s: Positive = 10.0
     """Pressures rejected this long: a window was opened; a tunnel's gust is over sooner."""
-    gps_altitude_error_time_s: Positive = 90.0
+    gps_altitude_error_time_s: Positive = 120.0
     """Correlation time of an altitude error: between reflections (a minute) and the air (more)."""
     gps_altitude_error_share: Probability = 0.9
     """Share of an altitude's variance that varies slowly; the rest is white."""
+
+    torque_std_pct: Positive = 0.35
+    """Of a slope by a second of torque, white: whole percents of torque, gusts, the driveline."""
+    torque_bias_std_pct: Positive = 0.3
+    """Of a slope by torque, slowly varying: wind, rolling, fan and generator."""
+    torque_bias_walk_pct_per_sqrt_s: Positive = 0.0063
+    """0.05 % in a minute: other directions to the wind."""
+    torque_relock_after_s: Positive = 20.0
+    """Torques rejected this long: the mass is another one."""
+    mass_std_share: Positive = 0.1
+    """Of the mass that the vehicle is said to have, and of the engine's torque."""
+    vehicle_slope_std_pct: Positive = 0.5
+    """Of a second of the vehicle's own slope, white."""
+    vehicle_slope_bias_std_pct: Positive = 0.4
+    """Of the vehicle's own slope: like torque, and the mass that the vehicle believes."""
 
     # eta
     route_filter: Literal["default", "avl"] = "default"

@@ -13,7 +13,7 @@ import pytest
 
 from builders import at, only
 from unit.fusion.drives import Sensors, messages_of, town, truth_of
-from wayline.messages import Barometer, GpsFix, Message, Odometer, Pose
+from wayline.messages import Barometer, GpsFix, Message, Odometer, Pose, Torque
 from wayline.node import Node
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
@@ -145,6 +145,7 @@ def watched_drive() -> Files:
         if isinstance(message, Odometer):
             pressure_pa = 99_000.0 + 0.1 * (len(messages) % 3)
             messages.append(Barometer(t_ns=message.t_ns, pressure_pa=pressure_pa))
+            messages.append(engine_of(message))
     split = next(i for i, message in enumerate(messages) if message.t_ns >= at(60))
     assert only(give(core, messages[:split]), Pose)  # type: ignore[arg-type]
     files.watch(core)
@@ -153,6 +154,14 @@ def watched_drive() -> Files:
     core._add(ClockStep(at(132), 1.0))
     core._add(GyroWarmed(at(133), 1.0))
     return files
+
+
+def engine_of(odometer: Odometer) -> Torque:
+    """In one gear, pulling steadily; the vehicle finds the road level."""
+    speed_mps = odometer.speed_mps or 0.0
+    return Torque(
+        t_ns=odometer.t_ns, engine_torque_nm=60.0, engine_speed_rpm=120.0 * speed_mps, slope_pct=0.0
+    )
 
 
 def with_altitude(message: Message) -> Message:

@@ -278,6 +278,27 @@ def slope_export_command(
         typer.echo(f"{out}: {rows:,} bins")
 
 
+@slope_app.command("list")
+def slope_list_command(
+    database: Annotated[str, typer.Option(help="e.g. sqlite:///wayline.db")],
+) -> None:
+    """Name the runs that were merged, one a line, in order of time."""
+    from wayline_cli.slope_runs import list_runs
+
+    list_runs(database, sys.stdout)
+
+
+@slope_app.command("withdraw")
+def slope_withdraw_command(
+    run: Annotated[str, typer.Argument(help="One of `wayline slope list`.")],
+    database: Annotated[str, typer.Option(help="e.g. sqlite:///wayline.db")],
+) -> None:
+    """Take a run out of the map again, as if it had never been merged."""
+    from wayline_cli.slope_runs import withdraw_run
+
+    typer.echo(withdraw_run(database, run))
+
+
 def _bus(config: Path | None) -> "BusSettings":
     from wayline.settings import Settings, load_settings, overridden
 

@@ -189,6 +189,18 @@ def slope_command(
         plot_slope(profiles, plot)
 
 
+@evaluate_app.command("slope-map")
+def slope_map_command(drives: Drives, *, json: Json = None) -> None:
+    """The slope map after each of several drives over one road, beside the first one's truth."""
+    from wayline_evaluation.slope_map_study import map_study
+    from wayline_evaluation.tables import slope_map_tables
+
+    check_targets(json, None)
+    with progress() as progressed:
+        report = map_study(drives, progressed)
+    _tell(slope_map_tables(report), report, json)
+
+
 @evaluate_app.command("sensors")
 def sensors_command(
     drives: Annotated[

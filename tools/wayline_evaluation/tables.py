@@ -9,6 +9,7 @@ from wayline_evaluation.architectures import ArchitectureRow, architecture_rows,
 from wayline_evaluation.figures import Consistency, Errors, Figures, Inside
 from wayline_evaluation.outages import OutageReport, OutageScore
 from wayline_evaluation.slope import SlopeReport
+from wayline_evaluation.slope_map_study import MapReport
 
 QUANTITIES = {
     "horizontal_m": "horizontal, m",
@@ -208,6 +209,18 @@ def slope_tables(report: SlopeReport) -> Iterator[Table]:
         average = "" if way.mean_grade_pct is None else f"{way.mean_grade_pct.rms:.2f}"
         shown = [f"{value:.2f}" for value in figures] or [""] * 4
         table.add_row(name, f"{way.shift_s:g}", *shown, spread, average)
+    yield table
+
+
+def slope_map_tables(report: MapReport) -> Iterator[Table]:
+    """One row a run."""
+    table = _table("slope map after each run, %")
+    for name in ("runs", "bins", "rms", "mean", "claimed std", "inside it", "flagged"):
+        table.add_column(name, justify="right")
+    for each in report.after:
+        figures = (f"{value:.3f}" for value in (each.rms_pct, each.mean_pct, each.std_pct))
+        share = f"{100.0 * each.inside_share:.0f}"
+        table.add_row(f"{each.runs}", f"{each.bins}", *figures, share, f"{each.flagged_bins}")
     yield table
 
 

@@ -28,12 +28,15 @@ def build(settings: Settings, options: Namespace) -> Service:
     def make_node(vehicle_id: str, source: str) -> Node:
         del source
         if store is None:
-            return Node(NAME, FusionCore(settings.tuning))
+            return Node(NAME, FusionCore(settings.tuning, vehicle=settings.vehicle))
         found = store.ask(lambda tables: tables.load(vehicle_id))
         if found is None:
-            return Node(NAME, FusionCore(settings.tuning), store.of(vehicle_id))
+            return Node(
+                NAME, FusionCore(settings.tuning, vehicle=settings.vehicle), store.of(vehicle_id)
+            )
         told.add(vehicle_id)
-        return Node(NAME, FusionCore(settings.tuning, found.saved), store.of(vehicle_id))
+        core = FusionCore(settings.tuning, found.saved, settings.vehicle)
+        return Node(NAME, core, store.of(vehicle_id))
 
     return Service(
         NAME,

@@ -6,8 +6,9 @@ from typing import Any, ClassVar
 import msgspec
 
 from wayline.core import Record
+from wayline.drive import Vehicle
 from wayline.inputs import Flush, Tick
-from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer
+from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
 from wayline.tuning import Tuning
 from wayline_fusion.architectures.choice import chosen
 from wayline_fusion.filter.timeline import Timeline
@@ -21,27 +22,34 @@ from wayline_fusion.outputs import Fixes, Outputs
 Taker = Callable[[Any, str], Sequence[Message | Record]]
 """Takes one kind of input."""
 
+CAR = Vehicle()
+"""Where nobody has said what the vehicle is."""
 SECOND_NS = 1_000_000_000
 
 
 class FusionCore:
     """One vehicle's pose, ten times a second with CAN, else once a fix.
 
-    `saved` is what was kept of this very vehicle; records of it say what to keep.
+    `saved` is what was kept of this very vehicle; records of it say what to keep. What the
+    vehicle weighs and how the air holds it back says what torque tells of the slope.
     """
 
-    reads: ClassVar[frozenset[type[Message]]] = frozenset({GpsFix, Odometer, Gyro, Barometer})
+    reads: ClassVar[frozenset[type[Message]]] = frozenset(
+        {GpsFix, Odometer, Gyro, Barometer, Torque}
+    )
     period_ns: ClassVar[int | None] = 100_000_000
 
-    def __init__(self, tuning: Tuning, saved: Saved | None = None) -> None:
+    def __init__(self, tuning: Tuning, saved: Saved | None = None, vehicle: Vehicle = CAR) -> None:
         self._estimator, self._vertical, self._keeper = chosen(tuning, saved)
         self._beginning: Keeper | None = self._keeper
         """Until what was kept is taken up."""
         depth_ns = round(tuning.late_measurement_s * 1e9)
         self._timeline: Timeline[Event] = Timeline((self._estimator, self._vertical), depth_ns)
         self._told = Told()
-        self._intake = Intake(tuning, self._told, self._estimator)
-        self._outputs = Outputs(self._estimator, self._vertical, self._told, tuning)
+        self._intake = Intake(tuning, self._told, self._estimator, vehicle)
+        self._outputs = Outputs(
+            self._estimator, self._vertical, self._told, tuning, vehicle.mass_kg
+        )
         self._fix_delay_ns = 0
         """How much older than the newest event a fix is when it comes."""
         self._pose_ns = 0
@@ -50,6 +58,7 @@ class FusionCore:
             Odometer: self._odometer,
             GpsFix: self._gps_fix,
             Barometer: self._barometer,
+            Torque: self._torque,
             Tick: self._tick,
             Flush: self._flush,
         }
@@ -91,6 +100,16 @@ class FusionCore:
             wheel_speed = self._intake.wheel_speed(odometer)
             if wheel_speed is not None:
                 self._add(wheel_speed)
+            push = self._intake.push(odometer)
+            if push is not None:
+                self._add(push)
+        return ()
+
+    def _torque(self, torque: Torque, source: str) -> Sequence[Message]:
+        if not self._is_refused(torque, source):
+            reported = self._intake.torque(torque)
+            if reported is not None:
+                self._add(reported)
         return ()
 
     def _gps_fix(self, fix: GpsFix, source: str) -> Sequence[Message]:

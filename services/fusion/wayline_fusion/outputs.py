@@ -32,10 +32,16 @@ class Outputs:
     """Words what the estimates know as messages."""
 
     def __init__(
-        self, estimator: Architecture, vertical: VerticalEstimate, told: Told, tuning: Tuning
+        self,
+        estimator: Architecture,
+        vertical: VerticalEstimate,
+        told: Told,
+        tuning: Tuning,
+        mass_kg: float,
     ) -> None:
         self._estimator, self._vertical = estimator, vertical
         self._told, self._tuning = told, tuning
+        self._mass_kg = mass_kg
         self._distance_m = 0.0
 
     def pose(self, t_ns: int, fixes: Fixes, *, has_can: bool) -> Pose:
@@ -69,11 +75,16 @@ class Outputs:
         errors, motion = self._estimator.sensor_errors(), self._estimator.motion()
         accepted_ns = motion.accepted_fix_ns
         bias_m, bias_std_m = self._vertical.baro_bias()
+        torque = self._vertical.torque_errors()
         return FusionStatus(
             t_ns=t_ns,
             **msgspec.structs.asdict(errors),
             baro_bias_m=bias_m,
             baro_bias_std_m=bias_std_m,
+            torque_bias_pct=100.0 * torque.bias if torque else None,
+            torque_bias_std_pct=100.0 * torque.bias_std if torque else None,
+            mass_kg=torque.mass * self._mass_kg if torque else None,
+            mass_std_kg=torque.mass_std * self._mass_kg if torque else None,
             calibration=_calibration(errors, self._tuning, is_located=_is_located(motion)),
             outage_s=0.0 if accepted_ns is None else max(t_ns - accepted_ns, 0) * 1e-9,
             late=self._told.late,

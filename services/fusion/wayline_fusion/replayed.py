@@ -9,8 +9,9 @@ from wayline_fusion.keeping.store import FusionStore
 
 def node(replay: ReplayedDrive) -> Node:
     """Fusion, going on from what the database knows of the drive's vehicle."""
+    vehicle = replay.drive.vehicle
     tuning, url = replay.drive.tuning, replay.database_url
     if url is None:
-        return Node("fusion", FusionCore(tuning))
+        return Node("fusion", FusionCore(tuning, vehicle=vehicle))
     store = FusionStore(open_database(url, "wayline_fusion"), replay.drive.drive.vehicle_id)
-    return Node("fusion", FusionCore(tuning, store.load()), store)
+    return Node("fusion", FusionCore(tuning, store.load(), vehicle), store)

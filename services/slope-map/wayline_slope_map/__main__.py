@@ -48,7 +48,7 @@ def build(settings: Settings, options: Namespace) -> Service:
 
     def make_node(vehicle_id: str, source: str) -> Node:
         del source
-        core = SlopeMapCore(roads, settings.tuning, vehicle_id)
+        core = SlopeMapCore(roads, settings.tuning, vehicle_id, settings.vehicle)
         return Node(NAME, core, Teaching(store.of(vehicle_id), roads))
 
     return Service(

@@ -33,6 +33,8 @@ class SlopePoint(msgspec.Struct, frozen=True, kw_only=True):
     runs: int = 0
     updated: str | None = None
     """When the last of the runs was driven."""
+    flagged_runs: int | msgspec.UnsetType = msgspec.UNSET
+    """Of a profile: runs that said something else here and do not count."""
 
 
 class WaySummary(msgspec.Struct, frozen=True, kw_only=True):
@@ -181,6 +183,9 @@ def _points(
                 alt_m=known.alt_m,
                 runs=known.runs,
                 updated=instants[known.updated_ns],
+                flagged_runs=known.flagged_runs
+                if isinstance(known, BinEstimate)
+                else msgspec.UNSET,
             )
         )
     return tuple(points)

@@ -6,11 +6,13 @@ from typing import ClassVar
 import msgspec
 
 from wayline.core import Record, Sleep
+from wayline.drive import Vehicle
 from wayline.geo import wrap_360
 from wayline.gps_quality import altitude_std_m, has_altitude
 from wayline.inputs import Flush, Tick
-from wayline.messages import Barometer, GpsFix, Horizon, Message, Pose
+from wayline.messages import Barometer, GpsFix, Horizon, Message, Odometer, Pose, Torque
 from wayline.tuning import Tuning
+from wayline.vertical.engine import Engine
 from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.matching import SPACING_M, Match, carried_on, chosen
 from wayline_slope_map.profile import lookahead
@@ -18,6 +20,8 @@ from wayline_slope_map.records import RoadLearned
 from wayline_slope_map.run import finished_runs
 from wayline_slope_map.track import Altitude, Place, Pressure, Track
 
+CAR = Vehicle()
+"""Where nobody has said what the vehicle is."""
 SECOND_NS = 1_000_000_000
 PLACED_MODES = ("gps", "fused", "dead_reckoning")
 PARKED_WITHIN_M = 30.0
@@ -29,16 +33,21 @@ LOST_AFTER_M = 150.0
 
 
 class SlopeMapCore:
-    """Reads poses, fixes and pressures of one vehicle; gives `horizon` and finished runs.
+    """Reads poses and the altimeters of one vehicle; gives `horizon` and finished runs.
 
     `roads` are those known so far; `RoadLearned` inputs bring them up to date.
     """
 
-    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix, Barometer})
+    reads: ClassVar[frozenset[type[Message]]] = frozenset(
+        {Pose, GpsFix, Barometer, Torque, Odometer}
+    )
     period_ns: ClassVar[int | None] = SECOND_NS
 
-    def __init__(self, roads: KnownRoads, tuning: Tuning, vehicle_id: str) -> None:
+    def __init__(
+        self, roads: KnownRoads, tuning: Tuning, vehicle_id: str, vehicle: Vehicle = CAR
+    ) -> None:
         self._roads, self._tuning, self._vehicle_id = roads, tuning, vehicle_id
+        self._engine = Engine(vehicle, tuning)
         self._track = Track()
         self._pose: Pose | None = None
         self._driving: Pose | None = None
@@ -55,6 +64,12 @@ class SlopeMapCore:
                 self._take_fix(message, source)
             case Barometer(pressure_pa=float(pressure_pa)):
                 self._track.pressures.append(Pressure(message.t_ns, pressure_pa))
+            case Odometer():
+                if push := self._engine.wheels(message):
+                    self._track.pushes.append(push)
+            case Torque():
+                if slope := self._engine.torque(message):
+                    self._track.own_slopes.append(slope)
             case Tick() if message.t_ns % SECOND_NS == 0:
                 return self._look_ahead(message)
             case Flush():

@@ -25,9 +25,11 @@ class ExportRow(NamedTuple):
     heading_deg: float
     grade_pct: float
     grade_std_pct: float
-    alt_m: float
+    alt_m: float | None
     runs: int
     updated: str
+    flagged_runs: int
+    """Runs that said something else here and do not count."""
 
 
 def export_rows(engine: sa.Engine) -> Iterator[ExportRow]:
@@ -54,7 +56,8 @@ def _row(profile: RoadProfile, direction: int, bin_index: int, known: BinEstimat
         heading_deg=round(heading_deg if direction > 0 else wrap_360(heading_deg + 180.0), 2),
         grade_pct=round(known.grade_pct, 3),
         grade_std_pct=round(known.grade_std_pct, 3),
-        alt_m=round(known.alt_m, 2),
+        alt_m=None if known.alt_m is None else round(known.alt_m, 2),
         runs=known.runs,
         updated=rfc3339(known.updated_ns),
+        flagged_runs=known.flagged_runs,
     )

@@ -8,7 +8,7 @@ from wayline.core import Record
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.roads import Road
 
-Sensor = Literal["fused", "gps", "barometer"]
+Sensor = Literal["fused", "gps", "barometer", "torque", "vehicle"]
 Direction = Literal[1, -1]
 """1 along the road's line, -1 against it."""
 
@@ -20,8 +20,9 @@ class RunBin(msgspec.Struct, frozen=True):
     sensor: Sensor
     grade_pct: float
     grade_std_pct: float
-    alt_m: float
-    alt_std_m: float
+    alt_m: float | None
+    """None where no altimeter told one."""
+    alt_std_m: float | None
 
 
 class FinishedRun(Record, frozen=True, kw_only=True):

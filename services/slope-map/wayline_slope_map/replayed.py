@@ -17,4 +17,5 @@ def node(replay: ReplayedDrive) -> Node:
     roads = KnownRoads(store.load_roads())
     for route in replay.routes:
         roads.follow(route.line, route.route_id, loop=route.loop, bin_m=drive.tuning.map_bin_m)
-    return Node("slope-map", SlopeMapCore(roads, drive.tuning, drive.drive.vehicle_id), store)
+    core = SlopeMapCore(roads, drive.tuning, drive.drive.vehicle_id, drive.vehicle)
+    return Node("slope-map", core, store)

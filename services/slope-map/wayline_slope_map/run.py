@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 
+import msgspec
 import numpy as np
 
 from wayline.line import Floats
@@ -10,9 +11,11 @@ from wayline.tuning import Tuning
 from wayline_slope_map.altitudes import Measured, barometer_altitudes, gps_altitudes
 from wayline_slope_map.records import FinishedRun, RunBin, Sensor
 from wayline_slope_map.roads import Road
-from wayline_slope_map.smoothing import Smoothed, smooth
+from wayline_slope_map.slopes import NO_SLOPES, run_slopes
+from wayline_slope_map.smoothing import Sensed, Smoothed, smooth
 from wayline_slope_map.stretches import cut
 from wayline_slope_map.track import Track
+from wayline_slope_map.unrest import curvature_std_pct_per_m
 
 NONE = np.empty(0)
 NOTHING = Measured(NONE, NONE, NONE, NONE, np.empty(0, dtype=np.intp))
@@ -63,14 +66,19 @@ def _smoothed_by_sensor(
     gps = gps_altitudes(track, tuning) if "gps" in used else NOTHING
     barometer = barometer_altitudes(track, tuning) if "barometer" in used else NOTHING
     times_s = track.seconds_at(travelled_m)
-    choices: dict[Sensor, tuple[Measured, Measured]] = {
-        "fused": (gps, barometer),
-        "gps": (gps, NOTHING),
-        "barometer": (NOTHING, barometer),
+    slopes = run_slopes(track, tuning)
+    curvature = curvature_std_pct_per_m(slopes["torque"], tuning)
+    tuning = msgspec.structs.replace(tuning, curvature_std_pct_per_m=curvature)
+    choices: dict[Sensor, Sensed] = {
+        "fused": Sensed(gps, barometer, slopes["both"]),
+        "gps": Sensed(gps, NOTHING, NO_SLOPES),
+        "barometer": Sensed(NOTHING, barometer, NO_SLOPES),
+        "torque": Sensed(NOTHING, NOTHING, slopes["torque"]),
+        "vehicle": Sensed(NOTHING, NOTHING, slopes["vehicle"]),
     }
     sensors = {}
-    for sensor, (by_gps, by_barometer) in choices.items():
-        smoothed = smooth(by_gps, by_barometer, times_s, travelled_m, tuning)
+    for sensor, sensed in choices.items():
+        smoothed = smooth(sensed, times_s, travelled_m, tuning)
         if smoothed is not None:
             sensors[sensor] = smoothed
     return sensors

@@ -17,16 +17,32 @@ from wayline.line import Floats
 from wayline.noise_scale import NoiseScale
 from wayline.tuning import Tuning
 from wayline.vertical.filter import VerticalFilter
-from wayline.vertical.model import Transition, VerticalStates
-from wayline.vertical.trust import LIKELY_PROBABILITY, PRESSURE_FACTOR_MIN, AltitudeTrust
+from wayline.vertical.model import Pushed, Transition
+from wayline.vertical.states import VerticalStates
+from wayline.vertical.trust import (
+    LIKELY_PROBABILITY,
+    PRESSURE_FACTOR_MIN,
+    TORQUE_FACTOR_MIN,
+    AltitudeTrust,
+    is_believable_mass,
+)
 from wayline_slope_map.altitudes import Measured
+from wayline_slope_map.slopes import Slopes, Window
 
 S = VerticalStates
 FIRST_ALTITUDE_STD_M = 100.0
 """Of the median of the first altitudes."""
 FIRST_ALTITUDES = 15
-BAROMETER, ASKED = -1, -2
-"""In place of a receiver's number."""
+BAROMETER, ASKED, FIRST_SLOPE = -1, -2, -3
+"""In place of a receiver's number; -3 is the first of the slopes, -4 the next."""
+
+
+class Sensed(NamedTuple):
+    """What a run is smoothed by."""
+
+    gps: Measured
+    barometer: Measured
+    slopes: Slopes
 
 
 class Smoothed(NamedTuple):
@@ -43,26 +59,26 @@ class _Nodes(NamedTuple):
 
     times_s: Floats
     travelled_m: Floats
-    alt_m: Floats
-    std_m: Floats
-    """NaN in both where the node is asked only."""
+    value: Floats
+    """An altitude in m, or a share of `Slopes`; NaN where the node is asked only."""
+    std: Floats
     sensor: NDArray[np.intp]
-    """A receiver's number, or one of the two above."""
+    """A receiver's number, or one of those below 0."""
     asked: NDArray[np.intp]
     """For every node the index of what is asked there, -1 where nothing is."""
 
 
-def smooth(
-    gps: Measured, barometer: Measured, times_s: Floats, travelled_m: Floats, tuning: Tuning
-) -> Smoothed | None:
-    """Smoothed values where asked for, shape (n,); None with fewer than two altitudes.
+def smooth(sensed: Sensed, times_s: Floats, travelled_m: Floats, tuning: Tuning) -> Smoothed | None:
+    """Smoothed values where asked for, shape (n,); None with fewer than two measurements.
 
     The k-th value is asked for at `travelled_m[k]`, reached at `times_s[k]`, in any order.
     """
-    if len(gps.alt_m) + len(barometer.alt_m) < 2:
+    if sum(len(measured.times_s) for measured in sensed) < 2:
         return None
-    nodes = _nodes(gps, barometer, times_s, travelled_m)
-    forward = _ForwardPass(gps, barometer, tuning)
+    if not len(sensed.gps.alt_m) and not len(sensed.barometer.alt_m):
+        tuning = msgspec.structs.replace(tuning, vertical_sensors=("torque", "vehicle"))
+    nodes = _nodes(sensed, times_s, travelled_m)
+    forward = _ForwardPass(sensed, tuning)
     x, P = forward.smoothed(nodes)
     at = nodes.asked >= 0
     order = np.argsort(nodes.asked[at])
@@ -75,20 +91,24 @@ def smooth(
     )
 
 
-def _nodes(gps: Measured, barometer: Measured, times_s: Floats, travelled_m: Floats) -> _Nodes:
-    asked = len(times_s)
+def _nodes(sensed: Sensed, times_s: Floats, travelled_m: Floats) -> _Nodes:
+    gps, barometer, slopes = sensed
+    asked, altitudes = len(times_s), len(gps.alt_m) + len(barometer.alt_m)
     nothing = np.full(asked, np.nan)
-    times = np.concatenate((gps.times_s, barometer.times_s, times_s))
-    travelled = np.concatenate((gps.travelled_m, barometer.travelled_m, travelled_m))
+    times = np.concatenate((gps.times_s, barometer.times_s, slopes.times_s, times_s))
+    travelled = np.concatenate(
+        (gps.travelled_m, barometer.travelled_m, slopes.travelled_m, travelled_m)
+    )
     order = np.lexsort((times, travelled))
-    measured = len(gps.alt_m) + len(barometer.alt_m)
-    others = np.repeat([BAROMETER, ASKED], [len(barometer.alt_m), asked])
+    at_barometer = np.full(len(barometer.alt_m), BAROMETER)
+    places = FIRST_SLOPE - np.arange(len(slopes.share))
+    measured = altitudes + len(slopes.share)
     return _Nodes(
         times[order],
         travelled[order],
-        np.concatenate((gps.alt_m, barometer.alt_m, nothing))[order],
-        np.concatenate((gps.std_m, barometer.std_m, nothing))[order],
-        np.concatenate((gps.receiver, others))[order],
+        np.concatenate((gps.alt_m, barometer.alt_m, slopes.share, nothing))[order],
+        np.concatenate((gps.std_m, barometer.std_m, slopes.std, nothing))[order],
+        np.concatenate((gps.receiver, at_barometer, places, np.full(asked, ASKED)))[order],
         np.concatenate((np.full(measured, -1), np.arange(asked)))[order],
     )
 
@@ -96,14 +116,15 @@ def _nodes(gps: Measured, barometer: Measured, times_s: Floats, travelled_m: Flo
 class _ForwardPass:
     """Filters a run forward, and keeps what the backward pass needs of each node."""
 
-    def __init__(self, gps: Measured, barometer: Measured, tuning: Tuning) -> None:
+    def __init__(self, sensed: Sensed, tuning: Tuning) -> None:
+        gps, barometer = sensed.gps, sensed.barometer
         receivers = int(gps.receiver.max()) + 1 if len(gps.receiver) else 1
-        self._tuning = tuning
+        self._tuning, self._windows = tuning, sensed.slopes.windows
         self._kalman = kalman = VerticalFilter(tuning, receivers)
-        kalman.x[: S.GPS_ERROR] = _first_state(gps, barometer)
+        kalman.x[: S.CURVATURE] = _first_state(gps, barometer)
         kalman.P[S.ALTITUDE, S.ALTITUDE] = FIRST_ALTITUDE_STD_M**2
         self._trust = [AltitudeTrust() for _ in range(receivers)]
-        self._noise = NoiseScale()
+        self._noise, self._slope_noise = NoiseScale(), NoiseScale()
         # without a barometer nothing but the road's own unrest tells noise from a hill
         self._has_barometer = len(barometer.alt_m) > 0
 
@@ -123,11 +144,36 @@ class _ForwardPass:
 
     def _take(self, nodes: _Nodes, k: int, moved: Transition) -> Transition:
         """Correct with what was measured; returns all that moved the state before that."""
-        receiver, alt_m, std_m = int(nodes.sensor[k]), nodes.alt_m[k], nodes.std_m[k]
-        if receiver == BAROMETER:
-            self._take_pressure(alt_m, std_m)
-        elif receiver != ASKED:
-            return self._take_altitude(receiver, alt_m, std_m, round(1e9 * nodes.times_s[k]), moved)
+        sensor, value, std = int(nodes.sensor[k]), nodes.value[k], nodes.std[k]
+        if sensor == BAROMETER:
+            self._take_pressure(value, std)
+        elif sensor <= FIRST_SLOPE:
+            return self._take_slope(value, std, self._windows[FIRST_SLOPE - sensor], moved)
+        elif sensor != ASKED:
+            return self._take_altitude(sensor, value, std, round(1e9 * nodes.times_s[k]), moved)
+        return moved
+
+    def _take_slope(
+        self, share: float, std: float, window: Window | None, moved: Transition
+    ) -> Transition:
+        """Correct with a slope of the engine, unless it is unlikely."""
+        kalman, noise = self._kalman, self._slope_noise
+        noisy = math.sqrt(noise.factor) * std
+        if window is None:
+            measurement = kalman.model.own_slope(kalman.x, share, noisy)
+        else:
+            moved = _after(
+                moved, kalman.project_window(window.speed_std_mps, goes_on=window.goes_on)
+            )
+            pushed = Pushed(window.length_s, share, window.level, window.share_before)
+            measurement = kalman.model.torque(kalman.x, pushed, noisy)
+        if not is_believable_mass(kalman.mass):
+            return moved
+        expected = kalman.expected(measurement)
+        square = float(measurement.y[0]) ** 2
+        self._slope_noise = noise.learned(square, float(expected[0, 0]), std**2, TORQUE_FACTOR_MIN)
+        if self._is_likely(measurement):
+            kalman.correct(weighed(measurement, expected, LIKELY_PROBABILITY))
         return moved
 
     def _take_pressure(self, alt_m: float, std_m: float) -> None:
@@ -146,7 +192,7 @@ class _ForwardPass:
         slow_std_m, before_m = kalman.model.slow_std_m(std_m), trust.slow_std_m
         renewal = before_m and kalman.project_error(receiver, before_m, slow_std_m)
         if renewal:
-            moved = Transition(renewal.F @ moved.F, renewal.F @ moved.Q @ renewal.F.T + renewal.Q)
+            moved = _after(moved, renewal)
         if renewal or before_m is None:
             trust = msgspec.structs.replace(trust, slow_std_m=slow_std_m)
         measurement = kalman.model.gps_altitude(kalman.x, receiver, alt_m, std_m)
@@ -171,6 +217,11 @@ class _ForwardPass:
         if not self._has_barometer:
             return measurement
         return weighed(measurement, self._kalman.expected(measurement), LIKELY_PROBABILITY)
+
+
+def _after(moved: Transition, then: Transition) -> Transition:
+    """Both in turn."""
+    return Transition(then.F @ moved.F, then.F @ moved.Q @ then.F.T + then.Q)
 
 
 def _first_state(gps: Measured, barometer: Measured) -> tuple[float, float, float]:

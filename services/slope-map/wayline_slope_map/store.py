@@ -2,17 +2,20 @@
 
 import json
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
 
 from wayline.core import Record
 from wayline.database import write_transaction
+from wayline_slope_map.judging import Grades, Judgement, judged
+from wayline_slope_map.kept_run import kept, unkept
 from wayline_slope_map.profile import RoadProfile
-from wayline_slope_map.records import FinishedRun, RoadLearned
+from wayline_slope_map.records import FinishedRun, RoadLearned, RunBin
 from wayline_slope_map.roads import Road
-from wayline_slope_map.sums import BinEstimate, BinSums, estimate, run_sums
+from wayline_slope_map.sums import BinEstimate, BinSums, estimate, run_sums, without
 from wayline_slope_map.tables import LEDGER, ROADS, SUMS
 
 FUSED = "fused"
@@ -57,9 +60,10 @@ class SlopeStore:
 
     def run_counts(self) -> dict[str, int]:
         """How many runs each road has: that of a road which was written to is another."""
+        here = sa.and_(ROADS.c.road_id == LEDGER.c.road_id, sa.not_(LEDGER.c.withdrawn))
         query = (
             sa.select(ROADS.c.road_id, sa.func.count(LEDGER.c.road_id))
-            .outerjoin_from(ROADS, LEDGER, ROADS.c.road_id == LEDGER.c.road_id)
+            .outerjoin_from(ROADS, LEDGER, here)
             .group_by(ROADS.c.road_id)
         )
         with self._engine.connect() as connection:
@@ -97,6 +101,7 @@ def _merge(connection: sa.Connection, run: FinishedRun) -> bool:
         return False
     if known is None:
         connection.execute(sa.insert(ROADS).values(_road_row(run.road)))
+    data = kept(run.bins)
     connection.execute(
         sa.insert(LEDGER).values(
             vehicle_id=run.vehicle_id,
@@ -104,9 +109,11 @@ def _merge(connection: sa.Connection, run: FinishedRun) -> bool:
             direction=run.direction,
             start_ns=run.start_ns,
             end_ns=run.end_ns,
+            kept=data,
+            withdrawn=False,
         )
     )
-    connection.execute(_adding(connection), _sum_rows(run))
+    connection.execute(_adding(connection), _sum_rows(run, unkept(data)))
     return True
 
 
@@ -127,23 +134,24 @@ def _is_counted(connection: sa.Connection, run: FinishedRun, *, on_any_road: boo
     return connection.execute(overlapping.limit(1)).first() is not None
 
 
-def _sum_rows(run: FinishedRun) -> list[dict[str, object]]:
+def _sum_rows(run: FinishedRun, bins: Sequence[RunBin]) -> list[dict[str, object]]:
     return [
         {
             "road_id": run.road.road_id,
             "direction": run.direction,
             "bin_index": run_bin.bin_index,
             "sensor": run_bin.sensor,
-            **run_sums(
-                run_bin.grade_pct,
-                run_bin.grade_std_pct,
-                run_bin.alt_m,
-                run_bin.alt_std_m,
-                run.end_ns,
-            )._asdict(),
+            **sums_of(run_bin, run.end_ns)._asdict(),
         }
-        for run_bin in run.bins
+        for run_bin in bins
     ]
+
+
+def sums_of(run_bin: RunBin, t_ns: int) -> BinSums:
+    """What a run that ended at an instant adds to a bin."""
+    return run_sums(
+        run_bin.grade_pct, run_bin.grade_std_pct, run_bin.alt_m, run_bin.alt_std_m, t_ns
+    )
 
 
 def _adding(connection: sa.Connection) -> sa.Insert:
@@ -159,6 +167,22 @@ def _adding(connection: sa.Connection) -> sa.Insert:
     )
 
 
+class KeptRuns(NamedTuple):
+    """The runs of a road in one direction, in order of their beginning."""
+
+    bins: tuple[Mapping[int, RunBin], ...]
+    """By all sensors."""
+    ends_ns: tuple[int, ...]
+
+    def judgement(self, bin_m: float) -> Judgement:
+        """What they say of each other."""
+        grades = [
+            Grades({i: (each.grade_pct, each.grade_std_pct) for i, each in run.items()})
+            for run in self.bins
+        ]
+        return judged(grades, bin_m)
+
+
 def _estimates(connection: sa.Connection, road_id: str | None = None) -> dict[str, Estimates]:
     query = sa.select(
         SUMS.c.road_id,
@@ -168,10 +192,50 @@ def _estimates(connection: sa.Connection, road_id: str | None = None) -> dict[st
     ).where(SUMS.c.sensor == FUSED)
     if road_id is not None:
         query = query.where(SUMS.c.road_id == road_id)
+    sums: dict[tuple[str, int], dict[int, BinSums]] = defaultdict(dict)
+    for row_road_id, direction, bin_index, *values in connection.execute(query):
+        sums[row_road_id, direction][bin_index] = BinSums(*values)
+    runs, bins_m = _kept_runs(connection, road_id), _bins_m(connection)
     found: dict[str, Estimates] = defaultdict(lambda: defaultdict(dict))
-    for row_road_id, direction, bin_index, *sums in connection.execute(query):
-        found[row_road_id][direction][bin_index] = estimate(BinSums(*sums))
+    for (row_road_id, direction), by_bin in sums.items():
+        of_way = runs.get((row_road_id, direction), KeptRuns((), ()))
+        found[row_road_id][direction] = _judged_estimates(by_bin, of_way, bins_m[row_road_id])
     return found
+
+
+def _judged_estimates(
+    sums: Mapping[int, BinSums], runs: KeptRuns, bin_m: float
+) -> dict[int, BinEstimate]:
+    """What the bins say without their outliers."""
+    flagged, common_share = runs.judgement(bin_m)
+    estimates = {}
+    for bin_index, of_all in sums.items():
+        left, count = of_all, 0
+        for run, end_ns, outlying in zip(runs.bins, runs.ends_ns, flagged, strict=True):
+            if bin_index in outlying:
+                left, count = without(left, sums_of(run[bin_index], end_ns)), count + 1
+        estimates[bin_index] = estimate(left, common_share, count)
+    return estimates
+
+
+def _kept_runs(connection: sa.Connection, road_id: str | None) -> dict[tuple[str, int], KeptRuns]:
+    query = (
+        sa.select(LEDGER.c.road_id, LEDGER.c.direction, LEDGER.c.end_ns, LEDGER.c.kept)
+        .where(LEDGER.c.kept.is_not(None), sa.not_(LEDGER.c.withdrawn))
+        .order_by(LEDGER.c.start_ns, LEDGER.c.vehicle_id)
+    )
+    if road_id is not None:
+        query = query.where(LEDGER.c.road_id == road_id)
+    found: dict[tuple[str, int], KeptRuns] = {}
+    for of_road_id, direction, end_ns, data in connection.execute(query):
+        before = found.get((of_road_id, direction), KeptRuns((), ()))
+        fused = {each.bin_index: each for each in unkept(data) if each.sensor == FUSED}
+        found[of_road_id, direction] = KeptRuns((*before.bins, fused), (*before.ends_ns, end_ns))
+    return found
+
+
+def _bins_m(connection: sa.Connection) -> dict[str, float]:
+    return {row[0]: row[1] for row in connection.execute(sa.select(ROADS.c.road_id, ROADS.c.bin_m))}
 
 
 def _road_row(road: Road) -> dict[str, object]:

@@ -2,7 +2,7 @@
 
 A sum is a whole number (see `sums.py` for the scales), so that runs may be merged in any order
 and give the same row to the last digit. The size grows with the metres of road, not with the runs;
-only the ledger, one short row a run, does.
+only the ledger does, one row a run with the run itself (`kept_run.py`).
 """
 
 import sqlalchemy as sa
@@ -46,4 +46,7 @@ LEDGER = sa.Table(
     sa.Column("direction", sa.SmallInteger, primary_key=True),
     sa.Column("start_ns", sa.BigInteger, primary_key=True),
     sa.Column("end_ns", sa.BigInteger, nullable=False),
+    # the run's bins (`kept_run.py`); null of runs that were merged before runs were kept
+    sa.Column("kept", sa.LargeBinary),
+    sa.Column("withdrawn", sa.Boolean, nullable=False, server_default=sa.false()),
 )

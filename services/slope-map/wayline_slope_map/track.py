@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from wayline.line import Floats
+from wayline.vertical.own_slope import OwnSlope
+from wayline.vertical.propulsion import Push
 from wayline_slope_map.matching import Match
 
 TRACK_STEP_NS = 400_000_000
@@ -43,13 +45,15 @@ class Pressure(NamedTuple):
 
 @dataclass
 class Track:
-    """One run: distance against time, places every 10 m, and the altitudes measured."""
+    """One run: distance against time, places every 10 m, and what was measured of the height."""
 
     times_ns: list[int] = field(default_factory=list)
     travelled_m: list[float] = field(default_factory=list)
     places: list[Place] = field(default_factory=list)
     altitudes: list[Altitude] = field(default_factory=list)
     pressures: list[Pressure] = field(default_factory=list)
+    pushes: list[Push] = field(default_factory=list)
+    own_slopes: list[OwnSlope] = field(default_factory=list)
 
     def travel(self, t_ns: int, travelled_m: float) -> None:
         """Note a distance, unless the last one was just now."""

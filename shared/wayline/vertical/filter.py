@@ -11,9 +11,12 @@ from filterpy.kalman import KalmanFilter
 
 from wayline.likelihood import Floats, Measurement
 from wayline.tuning import Tuning
-from wayline.vertical.model import Transition, VerticalModel, VerticalStates
+from wayline.vertical.model import Transition, VerticalModel
+from wayline.vertical.states import VerticalStates
 
 S = VerticalStates
+LEAST_INVERSE = 0.01
+"""A mass is positive, whatever a torque of the wrong sign says."""
 SAME_ERROR_RATIO = 0.7
 """Of two claimed stds of a receiver; a satellite more or less changes them by less."""
 
@@ -66,6 +69,12 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         self.predict(F=transition.F, Q=transition.Q)
         return transition
 
+    def project_window(self, std_mps: float, *, goes_on: bool) -> Transition:
+        """Let a window of torque begin: the error of the wheels at its end is a new one."""
+        transition = self.model.handover(std_mps, goes_on=goes_on)
+        self.predict(F=transition.F, Q=transition.Q)
+        return transition
+
     def inflate_altitude(self, std_m: float) -> Floats:
         """Doubt the altitude, and the barometer's bias by as much the other way.
 
@@ -83,6 +92,23 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         gained[S.BARO_BIAS, S.BARO_BIAS] = std_m**2
         self.P = self.P + gained
         return gained
+
+    def inflate_mass(self, std_share: float) -> Floats:
+        """Doubt the mass. Returns what P gains."""
+        gained: Floats = np.zeros_like(self.P)
+        gained[S.INVERSE_MASS, S.INVERSE_MASS] = std_share**2
+        self.P = self.P + gained
+        return gained
+
+    @property
+    def mass(self) -> float:
+        """True mass over the stated one."""
+        return 1.0 / max(self.x.item(S.INVERSE_MASS), LEAST_INVERSE)
+
+    @property
+    def mass_std(self) -> float:
+        """One sigma of the mass, as a share of the stated one."""
+        return self.std(S.INVERSE_MASS) * self.mass**2
 
     def expected(self, measurement: Measurement) -> Floats:
         """Covariance of the innovation without the measurement's own noise, H P H'."""

@@ -2,10 +2,13 @@
 
 The state is driven over distance, not time: z' = z + ds tan(slope) (eq. 4.11 with the horizontal
 distance ds, so that grade = 100 tan(slope)); it is linear, so that no extended filter is needed.
-Eq. 4.8 lets the slope stand still; here it walks at random over the distance, which gives Q
-(eq. 5.9) in closed form for any step. The barometer is altitude plus a wandering bias, which
-eq. 4.5 leaves out. The error of a receiver's altitude wanders too (R of eq. 5.11 takes its samples
-as independent): most of it is a first-order Gauss-Markov state, only a small share is white.
+Eq. 4.8 lets the slope stand still; here it changes with a curvature that wanders over the distance
+as a first-order Gauss-Markov process, because roads are built of vertical curves. That gives Q
+(eq. 5.9) in closed form for any step (`wayline.vertical.road`). The barometer is altitude plus a
+wandering bias, which eq. 4.5 leaves out. The error of a receiver's altitude wanders too (R of
+eq. 5.11 takes its samples as independent): most of it is a first-order Gauss-Markov state, only a
+small share is white.
+The engine's push tells of the slope by the mass, which is a state beside the push's own bias.
 """
 
 import math
@@ -15,20 +18,28 @@ import numpy as np
 
 from wayline.likelihood import Floats, Measurement
 from wayline.tuning import Tuning
-
-
-class VerticalStates:
-    """Places in the state vector, with the unit of each; plain numbers are fast to index by."""
-
-    ALTITUDE = 0  # m above mean sea level
-    SLOPE = 1  # tan of the slope angle, positive uphill in the direction of travel
-    BARO_BIAS = 2  # m, barometric altitude minus altitude
-    GPS_ERROR = 3  # slow error of the first receiver's altitude, in its own stds; then the next's
-
+from wayline.vertical.road import Road
+from wayline.vertical.states import VerticalStates
 
 S = VerticalStates
 ALTITUDE_UNKNOWN_M = 1_000.0
 """Std of an altitude of which nothing is known."""
+GRAVITY_MPS2 = 9.81
+MASS_ALONE_STD = 0.01
+"""Of a mass that is taken as it is stated, as a share of it."""
+LOADED_AFTER_S = 300.0
+"""A vehicle that stands so long may have another load."""
+
+
+class Pushed(NamedTuple):
+    """What the row of torque needs of a window; the words are those of `Push`."""
+
+    length_s: float
+    share: float
+    level: float
+    share_before: float
+    behind_m: float = 0.0
+    """How far behind the state the window's middle lies."""
 
 
 class Transition(NamedTuple):
@@ -44,18 +55,34 @@ class VerticalModel:
     def __init__(self, tuning: Tuning, receivers: int = 1) -> None:
         self.receivers = receivers
         self.size = S.GPS_ERROR + receivers
-        self._slope_walk = (tuning.slope_walk_pct_per_sqrt_m / 100.0) ** 2
+        self._road = Road(tuning.curvature_std_pct_per_m / 100.0, tuning.curvature_length_m)
+        self._curvature_std = tuning.curvature_std_pct_per_m / 100.0
         self._bias_walk = tuning.baro_bias_walk_m_per_sqrt_s**2
         self._error_time_s = tuning.gps_altitude_error_time_s
         self._slow_share = tuning.gps_altitude_error_share
         self._slope_std = tuning.slope_initial_std_pct / 100.0
         self._bias_std_m = tuning.baro_bias_initial_std_m
+        self._torque_bias_std = tuning.torque_bias_std_pct / 100.0
+        self._torque_bias_walk = (tuning.torque_bias_walk_pct_per_sqrt_s / 100.0) ** 2
+        # without an altimeter a mass cannot be told from a slope
+        has_altimeter = {"gps", "barometer"} & set(tuning.vertical_sensors)
+        self._mass_std = tuning.mass_std_share if has_altimeter else MASS_ALONE_STD
+        self._loading = self._mass_std**2 / LOADED_AFTER_S
+        self._own_bias_std = tuning.vehicle_slope_bias_std_pct / 100.0
 
     def first(self) -> tuple[Floats, Floats]:
         """State and covariance before anything is known, shapes (size,) and (size, size)."""
         stds = np.ones(self.size)
-        stds[: S.GPS_ERROR] = ALTITUDE_UNKNOWN_M, self._slope_std, self._bias_std_m
-        return np.zeros(self.size), np.diag(np.square(stds))
+        stds[: S.CURVATURE] = ALTITUDE_UNKNOWN_M, self._slope_std, self._bias_std_m
+        stds[S.CURVATURE] = self._curvature_std
+        stds[S.TORQUE_BIAS : S.SPEED_ERROR] = (
+            self._torque_bias_std,
+            self._mass_std,
+            self._own_bias_std,
+        )
+        x = np.zeros(self.size)
+        x[S.INVERSE_MASS] = 1.0
+        return x, np.diag(np.square(stds))
 
     def transition(self, distance_m: float, elapsed_s: float) -> Transition:
         """Over a distance driven forward (negative in reverse) and the time it took."""
@@ -66,12 +93,12 @@ class VerticalModel:
     def moved(self, into: Transition, distance_m: float, elapsed_s: float) -> Transition:
         """As `transition`, written over one that was made of this model before."""
         F, Q = into
-        length, walk = abs(distance_m), self._slope_walk
-        F[S.ALTITUDE, S.SLOPE] = distance_m
-        Q[S.SLOPE, S.SLOPE] = walk * length
-        Q[S.ALTITUDE, S.ALTITUDE] = walk * length**3 / 3.0
-        Q[S.ALTITUDE, S.SLOPE] = Q[S.SLOPE, S.ALTITUDE] = walk * length * distance_m / 2.0
+        self._road.move(F, Q, distance_m)
         Q[S.BARO_BIAS, S.BARO_BIAS] = self._bias_walk * elapsed_s
+        Q[S.TORQUE_BIAS, S.TORQUE_BIAS] = Q[S.OWN_BIAS, S.OWN_BIAS] = (
+            self._torque_bias_walk * elapsed_s
+        )
+        Q[S.INVERSE_MASS, S.INVERSE_MASS] = self._loading * elapsed_s if distance_m == 0.0 else 0.0
         kept = math.exp(-elapsed_s / self._error_time_s)
         for state in range(S.GPS_ERROR, self.size):
             F[state, state], Q[state, state] = kept, 1.0 - kept**2
@@ -82,6 +109,22 @@ class VerticalModel:
         F, Q = np.eye(self.size), np.zeros((self.size, self.size))
         state = S.GPS_ERROR + receiver
         F[state, state], Q[state, state] = kept, 1.0 - kept**2
+        return Transition(F, Q)
+
+    def handover(self, std_mps: float, *, goes_on: bool) -> Transition:
+        """At once: a window of torque begins where the one before ended, or anew.
+
+        Acceleration is a difference of two speeds, and the next window's has one of them: as
+        states their errors cancel from window to window.
+        """
+        F, Q = np.eye(self.size), np.zeros((self.size, self.size))
+        now, before = S.SPEED_ERROR, S.SPEED_ERROR_BEFORE
+        F[now, now] = F[before, before] = 0.0
+        Q[now, now] = std_mps**2
+        if goes_on:
+            F[before, now] = 1.0
+        else:
+            Q[before, before] = std_mps**2
         return Transition(F, Q)
 
     def slow_std_m(self, std_m: float) -> float:
@@ -98,6 +141,32 @@ class VerticalModel:
     def barometer(self, x: Floats, alt_m: float, std_m: float) -> Measurement:
         """Barometric altitude: the altitude plus the bias of weather and sensor."""
         return self._measured("barometer", x, alt_m, (S.BARO_BIAS, 1.0), std_m)
+
+    def torque(self, x: Floats, pushed: Pushed, std: float) -> Measurement:
+        """The engine's push over the stated weight, which carries slope and level road.
+
+        level = share / mass - slope - bias, plus the errors of the speeds that the level road's
+        acceleration is made of. The mass is looked for by the pushes of the windows before (an
+        instrument): this window's is made of the slope that has just begun, and a mass that is
+        looked for by it comes out as whatever makes slopes small.
+        """
+        share, per_mps = pushed.share, 1.0 / (GRAVITY_MPS2 * pushed.length_s)
+        y, H, R = np.empty(1), np.zeros((1, self.size)), np.empty((1, 1))
+        H[0, S.SLOPE] = H[0, S.TORQUE_BIAS] = -1.0
+        H[0, S.CURVATURE] = pushed.behind_m
+        H[0, S.INVERSE_MASS] = pushed.share_before
+        H[0, S.SPEED_ERROR], H[0, S.SPEED_ERROR_BEFORE] = per_mps, -per_mps
+        y[0] = pushed.level - H[0].dot(x) - (share - pushed.share_before) * x[S.INVERSE_MASS]
+        R[0, 0] = std**2
+        return Measurement("torque", y, H, R)
+
+    def own_slope(self, x: Floats, slope: float, std: float) -> Measurement:
+        """The slope that the vehicle itself reports: the slope plus a bias."""
+        y, H, R = np.empty(1), np.zeros((1, self.size)), np.empty((1, 1))
+        H[0, S.SLOPE] = H[0, S.OWN_BIAS] = 1.0
+        y[0] = slope - x[S.SLOPE] - x[S.OWN_BIAS]
+        R[0, 0] = std**2
+        return Measurement("vehicle_slope", y, H, R)
 
     def _measured(
         self, sensor: str, x: Floats, alt_m: float, by_error: tuple[int, float], std_m: float

@@ -17,9 +17,18 @@ LIKELY_PROBABILITY = 0.95
 """Beside a barometer altitudes less likely than this count for less: walls move them at once."""
 PRESSURE_FACTOR_MIN = 1.0
 """Of the claimed variance of pressures: no less than steps and cabin make; wind is learned."""
+TORQUE_FACTOR_MIN = 1.0
+"""Of the configured variance of slopes by torque: gusts come and go."""
+MASSES = (0.3, 3.0)
+"""True mass over the stated one; beyond, torque or mass are not what they are said to be."""
 AGREEING_M = 10.0
 AGREEING_STDS = 2.0
 """Rejected altitudes agree when they are off alike, to so many metres or stds."""
+
+
+def is_believable_mass(mass: float) -> bool:
+    """Whether a vehicle that is said to weigh 1 can weigh so much."""
+    return MASSES[0] < mass < MASSES[1]
 
 
 class AltitudeTrust(msgspec.Struct, frozen=True):

@@ -61,6 +61,7 @@ def test_a_profile_is_by_default_every_bin_at_its_centre(
             "alt_m": known and known.alt_m,
             "runs": 1 if known else 0,
             "updated": known and rfc3339(known.updated_ns),
+            **({"flagged_runs": known.flagged_runs} if known else {}),
         }
 
 
@@ -104,7 +105,7 @@ def test_the_csv_has_a_row_a_known_bin_like_the_export(
     points = [at for at in asked(book, path_of(profile), direction=way)["points"] if at["runs"]]
     assert list(rows[0]) == [
         "road_id", "distance_m", "lat_deg", "lon_deg", "heading_deg", "grade_pct",
-        "grade_std_pct", "alt_m", "runs", "updated",
+        "grade_std_pct", "alt_m", "runs", "updated", "flagged_runs",
     ]  # fmt: skip
     assert len(rows) == len(points)
     for row, at in zip(rows, points, strict=True):
@@ -217,6 +218,7 @@ def test_openapi_describes_parameters_and_answers(book: SlopeBook) -> None:
     schema = operation["responses"]["200"]["content"]["application/json"]["schema"]
     assert schema == {"$ref": "#/components/schemas/LookaheadAnswer"}
     fields = document["components"]["schemas"]["SlopePoint"]["properties"]
-    assert list(fields) == ["distance_m", "grade_pct", "grade_std_pct", "alt_m", "runs", "updated"]
+    told = ["distance_m", "grade_pct", "grade_std_pct", "alt_m", "runs", "updated", "flagged_runs"]
+    assert list(fields) == told
     stretch = document["paths"]["/v1/roads/{road_id}/profile.csv"]["get"]["parameters"]
     assert [one["name"] for one in stretch] == ["road_id", "direction", "from_m", "to_m"]

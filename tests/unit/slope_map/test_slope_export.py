@@ -12,7 +12,10 @@ from wayline.errors import InputError
 from wayline_cli.slope_export import export_slope_csv
 from wayline_slope_map.store import SlopeStore
 
-HEADER = "road_id,distance_m,lat_deg,lon_deg,heading_deg,grade_pct,grade_std_pct,alt_m,runs,updated"
+HEADER = (
+    "road_id,distance_m,lat_deg,lon_deg,heading_deg,grade_pct,grade_std_pct,alt_m,runs,updated,"
+    "flagged_runs"
+)
 
 
 @pytest.fixture

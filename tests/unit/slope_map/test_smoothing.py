@@ -6,7 +6,8 @@ import pytest
 from wayline.line import Floats
 from wayline.tuning import Tuning
 from wayline_slope_map.altitudes import Measured
-from wayline_slope_map.smoothing import Smoothed, smooth
+from wayline_slope_map.slopes import NO_SLOPES
+from wayline_slope_map.smoothing import Sensed, Smoothed, smooth
 
 TUNING = Tuning()
 NOTHING = Measured(*(np.empty(0),) * 4, np.empty(0, dtype=np.intp))
@@ -32,7 +33,7 @@ def measured(alt_m: Floats, std_m: float, times_s: Floats = TIMES_S) -> Measured
 
 
 def asked(gps: Measured, barometer: Measured = NOTHING) -> Smoothed:
-    smoothed = smooth(gps, barometer, ASKED_S, ASKED_S * SPEED_MPS, TUNING)
+    smoothed = smooth(Sensed(gps, barometer, NO_SLOPES), ASKED_S, ASKED_S * SPEED_MPS, TUNING)
     assert smoothed is not None
     return smoothed
 
@@ -62,7 +63,9 @@ def test_a_receiver_that_wanders_together_is_not_averaged_away() -> None:
     assert smoothed.alt_std_m[0] > 2.0
     receiver = np.zeros(200, dtype=np.intp)
     standing = Measured(TIMES_S, np.zeros(200), np.full(200, 50.0), np.full(200, 4.0), receiver)
-    at_rest = smooth(standing, NOTHING, np.array([100.0]), np.array([0.0]), TUNING)
+    at_rest = smooth(
+        Sensed(standing, NOTHING, NO_SLOPES), np.array([100.0]), np.array([0.0]), TUNING
+    )
     assert at_rest is not None
     assert at_rest.alt_std_m[0] > 1.5
 
@@ -85,4 +88,4 @@ def test_where_nothing_was_measured_the_std_grows() -> None:
 
 def test_one_altitude_says_nothing() -> None:
     one = measured(np.array([100.0]), 4.0, np.array([5.0]))
-    assert smooth(one, NOTHING, ASKED_S, ASKED_S * SPEED_MPS, TUNING) is None
+    assert smooth(Sensed(one, NOTHING, NO_SLOPES), ASKED_S, ASKED_S * SPEED_MPS, TUNING) is None

@@ -203,6 +203,7 @@ def test_export_names_each_bin_by_its_centre_in_the_direction_of_travel(engine: 
         alt_m=100.0,
         runs=1,
         updated="2023-11-14T22:43:20.000Z",
+        flagged_runs=0,
     )
     assert rows[15].heading_deg == pytest.approx(270.0, abs=0.01)
     assert [row.distance_m for row in rows[:15]] == [10.0 + 20.0 * i for i in range(15)]

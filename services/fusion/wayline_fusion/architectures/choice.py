@@ -5,13 +5,21 @@ from typing import NamedTuple
 
 from wayline.tuning import Tuning
 from wayline_fusion.aids.altitude import Altitude
+from wayline_fusion.aids.own_slope import VehicleSlope
 from wayline_fusion.aids.pressure import AirPressure
+from wayline_fusion.aids.torque import TorqueSlope
 from wayline_fusion.architectures.architecture import Architecture
 from wayline_fusion.architectures.gps_only import GpsOnly, by_quality, same_for_all
 from wayline_fusion.architectures.loose import Loose
 from wayline_fusion.architectures.uncoupled import Uncoupled
 from wayline_fusion.filter.vertical import VerticalAid, VerticalEstimate
-from wayline_fusion.intake.events import Event, GpsAltitude, Pressure
+from wayline_fusion.intake.events import (
+    EnginePush,
+    Event,
+    GpsAltitude,
+    Pressure,
+    ReportedSlope,
+)
 from wayline_fusion.keeping.keeper import EstimateKeeper, Keeper, NoKeeper
 from wayline_fusion.keeping.records import Saved
 
@@ -45,7 +53,12 @@ def _forgetful(make: Callable[[Tuning], Architecture]) -> Build:
 
 
 def _vertical(tuning: Tuning, architecture: Architecture) -> VerticalEstimate:
-    aids: Mapping[type[Event], VerticalAid] = {GpsAltitude: Altitude(), Pressure: AirPressure()}
+    aids: Mapping[type[Event], VerticalAid] = {
+        GpsAltitude: Altitude(),
+        Pressure: AirPressure(),
+        EnginePush: TorqueSlope(),
+        ReportedSlope: VehicleSlope(),
+    }
     return VerticalEstimate(tuning, architecture, aids)
 
 

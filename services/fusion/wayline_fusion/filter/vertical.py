@@ -14,13 +14,18 @@ from wayline.likelihood import Floats, Measurement
 from wayline.messages import Verdict
 from wayline.tuning import Tuning
 from wayline.vertical.filter import VerticalFilter
-from wayline.vertical.model import VerticalStates
+from wayline.vertical.states import VerticalStates
 from wayline_fusion.filter.gate import Outcome
 from wayline_fusion.intake.events import Event
 
 S = VerticalStates
 PRESSURE_FRESH_NS = 5_000_000_000
 """A pressure this old no longer holds the altitude: 1 Hz is usual, and some are lost."""
+
+ALTITUDE_TOLD_STD_M = 500.0
+"""Known worse, no altimeter has told anything."""
+TORQUE_FRESH_NS = 5_000_000_000
+"""The vehicle's own slope is asked after so long without a torque that was used."""
 
 
 class Progress(NamedTuple):
@@ -55,10 +60,22 @@ class VerticalAid(Protocol):
 class Height(NamedTuple):
     """Altitude above mean sea level and slope in the direction of travel, positive uphill."""
 
-    alt_m: float
-    alt_std_m: float
+    alt_m: float | None
+    """None where torque alone tells the slope."""
+    alt_std_m: float | None
     grade_pct: float
     grade_std_pct: float
+
+
+class TorqueErrors(NamedTuple):
+    """What is known of the slope by torque."""
+
+    bias: float
+    """Of the slope, as a tangent."""
+    bias_std: float
+    mass: float
+    """True mass over the stated one."""
+    mass_std: float
 
 
 class Snapshot(msgspec.Struct, frozen=True, gc=False):
@@ -70,6 +87,7 @@ class Snapshot(msgspec.Struct, frozen=True, gc=False):
     x: Floats
     P: Floats
     pressure_ns: int | None
+    torque_ns: int | None
     receivers: tuple[str, ...]
     evidence: tuple[Any, ...]
 
@@ -88,6 +106,7 @@ class VerticalEstimate:
         self.t_ns = 0
         self._distance_m = 0.0
         self._pressure_ns: int | None = None
+        self._torque_ns: int | None = None
         self._receivers: tuple[str, ...] = ()
         self._horizontal = horizontal
         self._snapshot: Snapshot | None = None
@@ -120,9 +139,11 @@ class VerticalEstimate:
         if not self.known:
             return None
         kalman = self.filter
+        alt_std_m = kalman.std(S.ALTITUDE)
+        is_told = alt_std_m < ALTITUDE_TOLD_STD_M
         return Height(
-            kalman.x.item(S.ALTITUDE),
-            kalman.std(S.ALTITUDE),
+            kalman.x.item(S.ALTITUDE) if is_told else None,
+            alt_std_m if is_told else None,
             100.0 * kalman.x.item(S.SLOPE),
             100.0 * kalman.std(S.SLOPE),
         )
@@ -130,6 +151,15 @@ class VerticalEstimate:
     def baro_bias(self) -> tuple[float, float]:
         """Barometric altitude minus altitude, and its std."""
         return self.filter.x.item(S.BARO_BIAS), self.filter.std(S.BARO_BIAS)
+
+    def torque_errors(self) -> TorqueErrors | None:
+        """Of the slope by torque; None while no torque has told of a slope."""
+        if self._torque_ns is None:
+            return None
+        kalman = self.filter
+        return TorqueErrors(
+            kalman.x.item(S.TORQUE_BIAS), kalman.std(S.TORQUE_BIAS), kalman.mass, kalman.mass_std
+        )
 
     def receiver(self, source: str) -> int:
         """The number of a receiver; one that is heard for the first time gets the next."""
@@ -148,6 +178,16 @@ class VerticalEstimate:
     def note_pressure(self) -> None:
         """A pressure has just corrected."""
         self._pressure_ns = self.t_ns
+
+    @property
+    def torque_fresh(self) -> bool:
+        """Whether torques tell of the slope."""
+        torque_ns = self._torque_ns
+        return torque_ns is not None and self.t_ns - torque_ns <= TORQUE_FRESH_NS
+
+    def note_torque(self) -> None:
+        """A torque has just corrected."""
+        self._torque_ns = self.t_ns
 
     def correct(self, measurement: Measurement) -> None:
         """Update the state."""
@@ -174,6 +214,7 @@ class VerticalEstimate:
             kalman.x,
             kalman.P,
             self._pressure_ns,
+            self._torque_ns,
             self._receivers,
             self._evidence,
         )
@@ -184,7 +225,7 @@ class VerticalEstimate:
         self.t_ns, self._distance_m = snapshot.t_ns, snapshot.distance_m
         self.known, self._receivers = snapshot.known, snapshot.receivers
         self.filter.set(snapshot.x, snapshot.P)
-        self._pressure_ns = snapshot.pressure_ns
+        self._pressure_ns, self._torque_ns = snapshot.pressure_ns, snapshot.torque_ns
         self._remind(snapshot.evidence)
 
     def take_verdicts(self) -> Sequence[Verdict]:
@@ -195,7 +236,7 @@ class VerticalEstimate:
     def _start_over(self) -> None:
         """After a silence that no prediction can bridge nothing is known of the height."""
         self.filter.set(*self.filter.model.first())
-        self.known, self._pressure_ns = False, None
+        self.known, self._pressure_ns, self._torque_ns = False, None, None
         self._remind(self._fresh)
 
     def _remind(self, evidence: tuple[Any, ...]) -> None:

@@ -132,6 +132,35 @@ class Pressure(msgspec.Struct, frozen=True, gc=False):
     """Of rounding and noise; the weather is the barometer's bias."""
 
 
+class EnginePush(msgspec.Struct, frozen=True, gc=False):
+    """The engine's force at the wheels, a mean of a window that ends at the instant."""
+
+    t_ns: int
+    length_s: float
+    share: float
+    """Force less air over the weight of the stated mass."""
+    level: float
+    """What rolling and acceleration take of the true weight."""
+    sampling_std: float
+    """Of the slope, by few torques."""
+    speed_std_mps: float
+    """Of the wheels at either end."""
+    goes_on: bool
+    """Whether it begins where the last window ended."""
+    share_before: float
+    """Mean of the windows before."""
+    behind_m: float
+    """How far before the instant the window's middle lies."""
+
+
+class ReportedSlope(msgspec.Struct, frozen=True, gc=False):
+    """The slope (tan of the angle) that the vehicle reports, a mean that ends at the instant."""
+
+    t_ns: int
+    length_s: float
+    slope: float
+
+
 class GyroRestarted(msgspec.Struct, frozen=True, gc=False):
     """The gyro, whose calibration was kept, is now so much warmer (or colder) than it was then."""
 
@@ -167,6 +196,8 @@ Event = (
     | FixTaken
     | GpsAltitude
     | Pressure
+    | EnginePush
+    | ReportedSlope
     | GyroRestarted
     | GyroWarmed
     | ClockStep

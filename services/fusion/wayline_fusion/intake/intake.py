@@ -5,20 +5,24 @@ from typing import Protocol
 
 from wayline.air import metres_per_pascal, pressure_altitude_m
 from wayline.cadence import Cadence
+from wayline.drive import Vehicle
 from wayline.gps_quality import altitude_std_m, has_altitude, horizontal_std_m, is_good
-from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer
+from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
 from wayline.resolution import PRESSURE_UNIT_PA, Resolution
 from wayline.tuning import Tuning
+from wayline.vertical.engine import Engine
 from wayline_fusion.filter.gyro_track import TakeGyro
 from wayline_fusion.intake.clock_steps import ClockSteps
 from wayline_fusion.intake.events import (
     ClockStep,
+    EnginePush,
     Event,
     Fix,
     FixInterval,
     GpsAltitude,
     GyroWarmed,
     Pressure,
+    ReportedSlope,
     WheelSpeed,
     parts_of,
 )
@@ -32,6 +36,7 @@ SENSORS: dict[type[Message], str] = {
     GpsFix: "gps_position",
     Gyro: "gyro",
     Odometer: "odometer",
+    Torque: "torque",
 }
 """Under which name a refusal is told."""
 KMH_MPS = 1.0 / 3.6
@@ -56,7 +61,7 @@ class Gyroscoped(Protocol):
 class Intake:
     """Knows the sensors' steps and what the last readings were; refusals are told to `told`."""
 
-    def __init__(self, tuning: Tuning, told: Told, estimator: Gyroscoped) -> None:
+    def __init__(self, tuning: Tuning, told: Told, estimator: Gyroscoped, vehicle: Vehicle) -> None:
         self._tuning, self._told = tuning, told
         self._estimator, self._take_gyro = estimator, estimator.take_gyro
         self.vehicle_ns: int | None = None
@@ -75,6 +80,7 @@ class Intake:
         self._rate_steps = Resolution(1e-4)
         self._pressure_steps = Resolution(PRESSURE_UNIT_PA)
         self._warmth = Warmth()
+        self._engine = Engine(vehicle, tuning)
         self._reverse = False
 
     @property
@@ -119,6 +125,16 @@ class Intake:
         std_mps = math.hypot(rounding_mps, self._tuning.odometer_std_mps)
         signed_mps = -odometer.speed_mps if self._reverse else odometer.speed_mps
         return WheelSpeed(odometer.t_ns, signed_mps, std_mps)
+
+    def push(self, odometer: Odometer) -> EnginePush | None:
+        """What torque has told of the slope up to an odometer's message."""
+        push = self._engine.wheels(odometer)
+        return None if push is None else EnginePush(*push)
+
+    def torque(self, torque: Torque) -> ReportedSlope | None:
+        """What a torque's message tells of the slope by itself."""
+        slope = self._engine.torque(torque)
+        return None if slope is None else ReportedSlope(*slope)
 
     def pressure(self, barometer: Barometer) -> Pressure | None:
         """What a barometer's message tells of the altitude; a coarse one says nothing of it."""

@@ -6,7 +6,8 @@ import msgspec
 import numpy as np
 
 from wayline.tuning import Tuning
-from wayline.vertical.model import VerticalModel, VerticalStates
+from wayline.vertical.model import VerticalModel
+from wayline.vertical.states import VerticalStates
 from wayline_fusion.filter.vertical import Snapshot
 from wayline_fusion.keeping.records import LastHeight, Saved
 
@@ -19,7 +20,8 @@ USEFUL_STD_M = 100.0
 
 def kept_height(snapshot: Snapshot) -> LastHeight | None:
     """What is worth keeping of a state; None of one that knows no altitude, or lost its numbers."""
-    x, covariance = snapshot.x[: S.GPS_ERROR], snapshot.P[: S.GPS_ERROR, : S.GPS_ERROR]
+    kept = slice(S.CURVATURE)
+    x, covariance = snapshot.x[kept], snapshot.P[kept, kept]
     if not snapshot.known or not math.isfinite(float(x.sum()) + float(covariance.sum())):
         return None
     alt_std_m, slope_std, bias_std_m = np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()
@@ -61,9 +63,9 @@ def resumed_height(
 
 def _state(height: LastHeight, fresh: Snapshot) -> tuple[np.ndarray, np.ndarray]:
     x, covariance = fresh.x.copy(), fresh.P.copy()
-    x[: S.GPS_ERROR] = height.alt_m, height.grade_pct / 100.0, height.baro_bias_m
+    x[: S.CURVATURE] = height.alt_m, height.grade_pct / 100.0, height.baro_bias_m
     stds = height.alt_std_m, height.grade_std_pct / 100.0, height.baro_bias_std_m
-    covariance[: S.GPS_ERROR, : S.GPS_ERROR] = np.diag(np.square(stds))
+    covariance[: S.CURVATURE, : S.CURVATURE] = np.diag(np.square(stds))
     shared_m2 = height.alt_bias_correlation * height.alt_std_m * height.baro_bias_std_m
     covariance[S.ALTITUDE, S.BARO_BIAS] = covariance[S.BARO_BIAS, S.ALTITUDE] = shared_m2
     return x, covariance

@@ -1,0 +1,64 @@
+"""Pure: the engine's push, as a slope."""
+
+import math
+
+import msgspec
+
+from wayline.agreement import Agreement, lasted_s, rejected
+from wayline.noise_scale import NoiseScale
+from wayline.vertical.model import Pushed
+from wayline.vertical.trust import TORQUE_FACTOR_MIN, is_believable_mass
+from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
+from wayline_fusion.filter.vertical import VerticalEstimate
+from wayline_fusion.intake.events import EnginePush
+
+
+class TorqueEvidence(msgspec.Struct, frozen=True):
+    """What earlier pushes have shown."""
+
+    noise: NoiseScale = NoiseScale()
+    """Of the variance that is configured."""
+    rejected: Agreement | None = None
+
+
+class TorqueSlope:
+    """Slopes by engine torque.
+
+    Starts: once an altitude is known, or at once where no altimeter is to be asked. Goes on: each
+    likely one corrects slope, mass and its own bias, and teaches how noisy torque is. Stops: an
+    unlikely one is rejected; where the mass comes out as no such vehicle's, none is used. Resets:
+    rejected for `torque_relock_after_s`, the mass is another one.
+    """
+
+    def __init__(self) -> None:
+        self.evidence = TorqueEvidence()
+
+    def take(self, estimate: VerticalEstimate, push: EnginePush) -> Outcome:
+        """Correct with a push."""
+        tuning, kalman, noise = estimate.tuning, estimate.filter, self.evidence.noise
+        if not estimate.known:
+            if {"gps", "barometer"} & set(tuning.vertical_sensors):
+                return UNUSED
+            estimate.known = True
+        white = tuning.torque_std_pct / 100.0 / math.sqrt(push.length_s)
+        claimed = math.hypot(white, push.sampling_std)
+        std = math.sqrt(noise.factor) * claimed
+        streak = self.evidence.rejected
+        if lasted_s(streak, push.t_ns) >= tuning.torque_relock_after_s:
+            kalman.inflate_mass(tuning.mass_std_share)
+            streak = None
+        kalman.project_window(push.speed_std_mps, goes_on=push.goes_on)
+        pushed = Pushed(push.length_s, push.share, push.level, push.share_before, push.behind_m)
+        measurement = kalman.model.torque(kalman.x, pushed, std)
+        if not is_believable_mass(kalman.mass):
+            estimate.tell("torque", push.t_ns, "the mass would be no such vehicle's")
+            return UNUSED
+        outcome = try_measurement(estimate, measurement, push.t_ns, Policy(tuning.gate_probability))
+        square, predicted = float(outcome.off[0]) ** 2, float(outcome.expected[0, 0])
+        noise = noise.learned(square, predicted, claimed**2, TORQUE_FACTOR_MIN)
+        if outcome.is_accepted:
+            estimate.note_torque()
+            self.evidence = TorqueEvidence(noise)
+        else:
+            self.evidence = TorqueEvidence(noise, rejected(streak, push.t_ns))
+        return outcome

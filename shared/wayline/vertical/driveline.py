@@ -1,0 +1,48 @@
+"""Pure: whether an engine is joined to the wheels, so that its torque tells of the road."""
+
+from wayline.messages import Torque
+
+UNSETTLED_NS = 600_000_000
+"""After brake, clutch, neutral or another gear, torque and acceleration belong together again."""
+SAME_RATIO = 0.02
+"""A gear's ratio as it is reported differs by less from frame to frame."""
+
+
+class Driveline:
+    """Watches what a bus says of brake, clutch and gear; what it never says it does not watch."""
+
+    def __init__(self) -> None:
+        self.tells_brake = False
+        """Whether the bus has a signal of the brake."""
+        self._gear: int | None = None
+        self._ratio: float | None = None
+        self._disturbed_ns: int | None = None
+
+    def watch(self, torque: Torque) -> bool:
+        """Take a message; whether engine and wheels are joined, with nothing else at the wheels."""
+        self.tells_brake |= torque.brake is not None
+        shifted = self._has_shifted(torque)
+        if torque.brake or torque.clutch or shifted or (self._gear is not None and self._gear < 1):
+            self.disturb(torque.t_ns)
+        return self.is_settled(torque.t_ns)
+
+    def disturb(self, t_ns: int) -> None:
+        """Something at the wheels was not the engine's alone at an instant."""
+        self._disturbed_ns = max(t_ns, self._disturbed_ns or t_ns)
+
+    def is_settled(self, t_ns: int) -> bool:
+        """Whether nothing has disturbed for long enough before an instant."""
+        return self._disturbed_ns is None or t_ns - self._disturbed_ns > UNSETTLED_NS
+
+    def _has_shifted(self, torque: Torque) -> bool:
+        gear, ratio = self._gear, self._ratio
+        if torque.gear is not None:
+            self._gear = torque.gear
+        if torque.gear_ratio is not None:
+            self._ratio = torque.gear_ratio
+        is_other_gear = gear is not None and gear != self._gear
+        return is_other_gear or (
+            ratio is not None
+            and self._ratio is not None
+            and abs(self._ratio - ratio) > SAME_RATIO * abs(ratio)
+        )

@@ -1,0 +1,64 @@
+"""Pure: how altitude, slope and curvature of a road change with distance.
+
+Curvature is a first-order Gauss-Markov process over distance, and slope and altitude its integrals:
+the model that Singer (1970) has for a target's acceleration over time.
+"""
+
+import math
+
+from wayline.likelihood import Floats
+from wayline.vertical.states import VerticalStates
+
+S = VerticalStates
+SHORT_SHARE = 0.05
+"""Of the correlation length: below, the closed form loses its digits and the first term does."""
+
+
+class Road:
+    """A road whose curvature has a std (tangent of the slope for a metre) and a length."""
+
+    def __init__(self, curvature_std: float, length_m: float) -> None:
+        self._variance, self._length_m = curvature_std**2, length_m
+
+    def move(self, F: Floats, Q: Floats, distance_m: float) -> None:
+        """Write F and Q over a distance driven forward (negative in reverse)."""
+        length_m, share = self._length_m, abs(distance_m) / self._length_m
+        sign = math.copysign(1.0, distance_m)
+        kept = math.exp(-share)
+        lost = -math.expm1(-share)
+        F[S.ALTITUDE, S.SLOPE] = distance_m
+        F[S.ALTITUDE, S.CURVATURE] = length_m**2 * (share - lost)
+        F[S.SLOPE, S.CURVATURE] = sign * length_m * lost
+        F[S.CURVATURE, S.CURVATURE] = kept
+        rows = _short(share) if share < SHORT_SHARE else _long(share, kept)
+        altitude, altitude_slope, altitude_curvature, slope, slope_curvature, curvature = rows
+        variance = self._variance
+        Q[S.ALTITUDE, S.ALTITUDE] = variance * length_m**4 * altitude
+        Q[S.SLOPE, S.SLOPE] = variance * length_m**2 * slope
+        Q[S.CURVATURE, S.CURVATURE] = variance * curvature
+        across = sign * variance * length_m**3 * altitude_slope
+        Q[S.ALTITUDE, S.SLOPE] = Q[S.SLOPE, S.ALTITUDE] = across
+        across = variance * length_m**2 * altitude_curvature
+        Q[S.ALTITUDE, S.CURVATURE] = Q[S.CURVATURE, S.ALTITUDE] = across
+        across = sign * variance * length_m * slope_curvature
+        Q[S.SLOPE, S.CURVATURE] = Q[S.CURVATURE, S.SLOPE] = across
+
+
+Rows = tuple[float, float, float, float, float, float]
+"""Upper triangle of Q, altitude, slope and curvature, for a length and a std of 1."""
+
+
+def _short(u: float) -> Rows:
+    return u**5 / 10.0, u**4 / 4.0, u**3 / 3.0, 2.0 * u**3 / 3.0, u**2, 2.0 * u
+
+
+def _long(u: float, kept: float) -> Rows:
+    twice = kept * kept
+    return (
+        1.0 - twice + 2.0 * u + 2.0 * u**3 / 3.0 - 2.0 * u**2 - 4.0 * u * kept,
+        1.0 + twice - 2.0 * kept + 2.0 * u * kept - 2.0 * u + u**2,
+        1.0 - twice - 2.0 * u * kept,
+        4.0 * kept - 3.0 - twice + 2.0 * u,
+        twice + 1.0 - 2.0 * kept,
+        1.0 - twice,
+    )

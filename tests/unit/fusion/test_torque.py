@@ -1,0 +1,113 @@
+"""Torque in fusion: slope where no altimeter tells it, mass, bias, verdicts and bad engines."""
+
+import math
+from collections.abc import Iterable, Iterator
+
+import msgspec
+import pytest
+
+from builders import only, run_core
+from unit.fusion.drives import Sensors, messages_of, straight, truth_of
+from wayline.drive import Vehicle
+from wayline.messages import FusionStatus, GpsFix, Message, Odometer, Pose, Torque
+from wayline.tuning import Tuning
+from wayline_fusion.core import FusionCore
+
+G, TURNS_PER_M = 9.81, 3.0
+TRUCK = Vehicle(mass_kg=20_000.0, drag_coefficient=0.6, frontal_area_m2=9.0)
+HILLS_M = 400.0
+STEEP = 0.04
+
+
+def slope_at(path_m: float) -> float:
+    return STEEP * math.sin(path_m / HILLS_M)
+
+
+def alt_at(path_m: float) -> float:
+    return 100.0 - STEEP * HILLS_M * math.cos(path_m / HILLS_M)
+
+
+def heard(
+    seconds: float, *, mass_kg: float = 20_000.0, gain: float = 1.0, blind_after_s: float = math.inf
+) -> Iterator[Message]:
+    """A truck over hills at 20 m/s with altitudes to the decimetre, and the torque it needs."""
+    for message in messages_of(straight, truth_of(straight, seconds), Sensors()):
+        path_m = 20.0 * (message.t_ns - BEGIN_NS) * 1e-9
+        if isinstance(message, Odometer):
+            yield engine(message.t_ns, path_m, mass_kg, gain)
+        if isinstance(message, GpsFix):
+            told_m = None if path_m > 20.0 * blind_after_s else round(alt_at(path_m), 1)
+            yield msgspec.structs.replace(message, alt_m=told_m)
+        else:
+            yield message
+
+
+def engine(t_ns: int, path_m: float, mass_kg: float, gain: float) -> Torque:
+    """At 20 m/s; losses are the engine's uphill and the hill's downhill."""
+    force_n = mass_kg * G * (slope_at(path_m) + 0.01) + 0.5 * 1.2 * 0.6 * 9.0 * 400.0
+    through = 1.0 / 0.92 if force_n > 0.0 else 0.92
+    return Torque(
+        t_ns=t_ns,
+        engine_torque_nm=gain * through * force_n / TURNS_PER_M,
+        engine_speed_rpm=20.0 * TURNS_PER_M * 30.0 / math.pi,
+        brake=False,
+    )
+
+
+BEGIN_NS = next(iter(messages_of(straight, truth_of(straight, 1.0), Sensors()))).t_ns
+
+
+def outputs(messages: Iterable[Message], tuning: Tuning | None = None) -> list[Message]:
+    return run_core(FusionCore(tuning or Tuning(), vehicle=TRUCK), list(messages))
+
+
+def last_status(found: list[Message]) -> FusionStatus:
+    status: FusionStatus = only(found, FusionStatus)[-1]
+    return status
+
+
+def grade_errors_pct(found: list[Message], after_s: float) -> list[float]:
+    poses = only(found, Pose)
+    late = [pose for pose in poses if pose.t_ns - BEGIN_NS > after_s * 1e9]
+    return [
+        pose.grade_pct - 100.0 * slope_at(20.0 * (pose.t_ns - BEGIN_NS) * 1e-9) for pose in late
+    ]
+
+
+def test_torque_carries_the_slope_where_no_altimeter_tells_it() -> None:
+    """Without torque a minute of hills of 4 % would be guessed from the last slope."""
+    found = outputs(heard(240.0, blind_after_s=180.0))
+    assert max(map(abs, grade_errors_pct(found, 185.0))) < 0.5
+
+
+@pytest.mark.parametrize("mass_kg", [17_400.0, 23_000.0])
+def test_the_mass_is_found_after_10_km_of_hills(mass_kg: float) -> None:
+    status = last_status(outputs(heard(500.0, mass_kg=mass_kg)))
+    assert status.mass_kg == pytest.approx(mass_kg, rel=0.05)
+    assert status.mass_std_kg is not None
+    assert status.mass_std_kg < 0.05 * mass_kg
+
+
+def test_torque_alone_tells_the_slope_and_no_altitude() -> None:
+    found = outputs(heard(120.0), Tuning(vertical_sensors=("torque",)))
+    assert max(map(abs, grade_errors_pct(found, 20.0))) < 1.0
+    assert only(found, Pose)[-1].alt_m is None
+
+
+def test_torque_of_the_wrong_sign_is_not_followed() -> None:
+    """Rejected, then taken for another mass; as no vehicle has that mass, none is used."""
+    found = outputs(heard(300.0, gain=-1.0))
+    assert max(map(abs, grade_errors_pct(found, 100.0))) < 2.5
+
+
+def test_verdicts_of_torque_are_told() -> None:
+    statuses = only(outputs(heard(60.0)), FusionStatus)
+    told = {v.sensor for status in statuses for v in status.verdicts if v.accepted}
+    assert "torque" in told
+
+
+def test_without_torque_neither_mass_nor_bias_is_told() -> None:
+    messages = [message for message in heard(30.0) if not isinstance(message, Torque)]
+    status = last_status(outputs(messages))
+    assert status.mass_kg is None
+    assert status.torque_bias_pct is None
