@@ -81,7 +81,7 @@ class Tuning(Strict, frozen=True, kw_only=True):
     gps_latency_std_s: Positive = 0.1
     """Before it is learned: latency of fixes beyond the configured one."""
     course_bias_std_deg: Positive = 2.0
-    """Before it is learned: axles askew, a phone laid down somehow, courses cut to tenths of a degree."""
+    """Before it is learned: axles askew, a phone that lies askew, courses cut to tenths."""
     gps_time_std_s: Positive = 0.03
     """Jitter of that latency: turning, a course is off by this much time."""
     antenna_lever_m: Positive = 0.5
