@@ -5,8 +5,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from postgres import Cluster, programs
+
+settings.register_profile("ci", derandomize=True)
+if os.environ.get("CI"):
+    # chance does not decide whether a change is good; other runs explore
+    settings.load_profile("ci")
 
 
 @pytest.fixture

@@ -56,6 +56,8 @@ class TimesAhead(Generic[Item]):
         self._runs: list[list[Timed[Item]]] = []
         """What is held; in a run times follow each other, between runs they leap ahead."""
         self._held = 0
+        self._odd: Timed[Item] | None = None
+        """Far behind a beginning that is held: alone it is nonsense, with another one a return."""
         self.dropped = 0
         """How many items were of a time that did not last."""
 
@@ -66,6 +68,24 @@ class TimesAhead(Generic[Item]):
 
     def take(self, t_ns: int, item: Item, receipt_ns: int | None = None) -> list[Timed[Item]]:
         """What can be told now: nothing, the item, or with it all that it confirms."""
+        if receipt_ns is None and not self._known and self._runs:
+            return self._begin(t_ns, item)
+        return self._go_on(t_ns, item, receipt_ns)
+
+    def _begin(self, t_ns: int, item: Item) -> list[Timed[Item]]:
+        """One more of a beginning that is held; a single one far behind the rest costs itself."""
+        odd, self._odd = self._odd, None
+        is_behind = t_ns < self._runs[-1][-1][0] - AHEAD_NS
+        if odd is None and is_behind:
+            self._odd = (t_ns, item)
+            return []
+        if odd is not None and is_behind:
+            self._hold(*odd)
+        elif odd is not None:
+            self.dropped += 1
+        return self._go_on(t_ns, item, None)
+
+    def _go_on(self, t_ns: int, item: Item, receipt_ns: int | None) -> list[Timed[Item]]:
         known = self._known
         if not self._runs and known and t_ns <= known[-1] + AHEAD_NS:
             if t_ns > known[-1]:
@@ -78,6 +98,9 @@ class TimesAhead(Generic[Item]):
 
     def finish(self) -> list[Timed[Item]]:
         """At the end of input: the best of a beginning in doubt, and what follows short breaks."""
+        if self._odd is not None:
+            self._odd = None
+            self.dropped += 1
         runs = self._emptied()
         told: list[Timed[Item]] = []
         if runs and not self._known:

@@ -80,8 +80,8 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Floor of the course's std, for wind, camber and rounding."""
     gps_latency_std_s: Positive = 0.1
     """Before it is learned: latency of fixes beyond the configured one."""
-    course_bias_std_deg: Positive = 0.05
-    """Before it is learned: axles askew, courses cut to tenths of a degree."""
+    course_bias_std_deg: Positive = 2.0
+    """Before it is learned: axles askew, a phone that lies askew, courses cut to tenths."""
     gps_time_std_s: Positive = 0.03
     """Jitter of that latency: turning, a course is off by this much time."""
     antenna_lever_m: Positive = 0.5

@@ -8,7 +8,7 @@ import msgspec
 from wayline.clock import SteadyClock
 from wayline.drive import CanMapping, Vehicle
 from wayline.inputs import Flush, Frame, Tick
-from wayline.messages import Message
+from wayline.messages import EARLIEST_NS, LATEST_NS, Message
 from wayline_can_ingest.derived import Derived, Fields
 from wayline_can_ingest.fix import SpreadFix
 from wayline_can_ingest.mapping import Mapping
@@ -50,6 +50,7 @@ class CanIngestCore:
         self._waiting: list[Frame] = []
         self._fix = SpreadFix(mapping.gps_fields, round(vehicle.gps_latency_s * 1e9))
         self._has_fix = bool(mapping.gps_fields)
+        self._out_of_bounds = 0
         self.dropped = 0
         """Frames that came before the clock signal and did not fit the waiting room."""
 
@@ -60,9 +61,9 @@ class CanIngestCore:
 
     @property
     def bad_input(self) -> int:
-        """How often the source's clock stepped back, and long messages that broke off."""
+        """How often the clock stepped back, long messages that broke off, impossible times."""
         broken = 0 if self._transport is None else self._transport.broken
-        return self._steady.steps + broken
+        return self._steady.steps + broken + self._out_of_bounds
 
     def received_ns(self, frame: Frame) -> int:
         """When a frame arrived, on the clock that the messages carry."""
@@ -127,6 +128,9 @@ class CanIngestCore:
     def _decode(self, frame: Frame, plan: FramePlan, messages: list[Message]) -> None:
         """Add the messages that a frame makes, and the fix before it if that is overdue."""
         t_ns = self._steady.steady(frame.t_ns + (self._clock.offset_ns or 0))
+        if not EARLIEST_NS <= t_ns <= LATEST_NS:
+            self._out_of_bounds += 1
+            return
         if self._has_fix:
             messages += self._fix.overdue(t_ns)
         signals = plan.decode(frame.data)

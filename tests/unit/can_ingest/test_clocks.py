@@ -127,3 +127,19 @@ def test_a_live_clock_signal_against_the_host_counts_once_ten_agree() -> None:
     assert [(message.t_ns - at(HOUR_S)) / 1e9 for message in messages] == pytest.approx(
         list(range(12)), abs=1e-2
     )
+
+
+def test_a_time_that_no_message_may_carry_is_counted_and_dropped(tmp_path: Path) -> None:
+    rows = [(START_S, "101#6400"), (42.8, "101#6400"), (43.8, "101#6400")]
+    bus = recording(tmp_path, rows)
+    assert seconds_of(bus) == []
+    assert bus.bad_input() == 3
+
+
+@pytest.mark.parametrize("at", [1, 5, 20])
+def test_a_single_time_of_1970_costs_itself(tmp_path: Path, at: int) -> None:
+    """Digits lost on the way, while the log's beginning is still in doubt."""
+    rows = [(START_S + number / 10, "101#6400") for number in range(20)]
+    bus = recording(tmp_path, [*rows[:at], (42.8, "101#6400"), *rows[at:]])
+    assert seconds_of(bus) == pytest.approx([number / 10 for number in range(20)], abs=1e-5)
+    assert bus.bad_input() == 1
