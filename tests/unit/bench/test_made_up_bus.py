@@ -15,6 +15,8 @@ from wayline_bench.made_up_bus import DBC, MAPPED_IDS, MAPPING, NUMBERED_ID, fra
 from wayline_can_ingest.core import CanIngestCore
 from wayline_can_ingest.mapping import compile_mapping
 
+START_NS = 1_700_000_000_000_000_000
+
 
 def messages_of(identifier: int, number: int) -> list[Message]:
     """What a frame becomes."""
@@ -25,7 +27,7 @@ def messages_of(identifier: int, number: int) -> list[Message]:
     mapping = compile_mapping(source, [database], Vehicle(), "test")
     core = CanIngestCore(source, mapping, Vehicle())
     data = bytes(frame(identifier, number).data)
-    return list(core.handle(Frame(1, "can0", identifier, False, data), "bench"))
+    return list(core.handle(Frame(START_NS, "can0", identifier, False, data), "bench"))
 
 
 @pytest.mark.parametrize("identifier", MAPPED_IDS)
@@ -38,7 +40,7 @@ def test_a_mapped_frame_becomes_one_message_with_a_value(identifier: int) -> Non
 
 def test_a_numbered_frame_tells_its_number() -> None:
     """The bench knows by it when the frame was sent."""
-    assert messages_of(NUMBERED_ID, 123_456) == [Odometer(t_ns=1, distance_m=123_456.0)]
+    assert messages_of(NUMBERED_ID, 123_456) == [Odometer(t_ns=START_NS, distance_m=123_456.0)]
 
 
 @pytest.mark.parametrize(("only_mapped", "share"), [(False, 0.1), (True, 1.0)])
