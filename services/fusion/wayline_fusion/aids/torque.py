@@ -7,10 +7,10 @@ import msgspec
 from wayline.agreement import Agreement, lasted_s, rejected
 from wayline.noise_scale import NoiseScale
 from wayline.vertical.model import Pushed
+from wayline.vertical.propulsion import Push
 from wayline.vertical.trust import TORQUE_FACTOR_MIN, is_believable_mass
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
 from wayline_fusion.filter.vertical import VerticalEstimate
-from wayline_fusion.intake.events import EnginePush
 
 
 class TorqueEvidence(msgspec.Struct, frozen=True):
@@ -33,7 +33,7 @@ class TorqueSlope:
     def __init__(self) -> None:
         self.evidence = TorqueEvidence()
 
-    def take(self, estimate: VerticalEstimate, push: EnginePush) -> Outcome:
+    def take(self, estimate: VerticalEstimate, push: Push) -> Outcome:
         """Correct with a push."""
         tuning, kalman, noise = estimate.tuning, estimate.filter, self.evidence.noise
         if not estimate.known:

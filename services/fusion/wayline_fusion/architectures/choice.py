@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from wayline.tuning import Tuning
+from wayline.vertical.propulsion import Push
 from wayline_fusion.aids.altitude import Altitude
 from wayline_fusion.aids.own_slope import VehicleSlope
 from wayline_fusion.aids.pressure import AirPressure
@@ -14,7 +15,6 @@ from wayline_fusion.architectures.loose import Loose
 from wayline_fusion.architectures.uncoupled import Uncoupled
 from wayline_fusion.filter.vertical import VerticalAid, VerticalEstimate
 from wayline_fusion.intake.events import (
-    EnginePush,
     Event,
     GpsAltitude,
     Pressure,
@@ -56,7 +56,7 @@ def _vertical(tuning: Tuning, architecture: Architecture) -> VerticalEstimate:
     aids: Mapping[type[Event], VerticalAid] = {
         GpsAltitude: Altitude(),
         Pressure: AirPressure(),
-        EnginePush: TorqueSlope(),
+        Push: TorqueSlope(),
         ReportedSlope: VehicleSlope(),
     }
     return VerticalEstimate(tuning, architecture, aids)

@@ -6,6 +6,8 @@ whole, which brings the state to its instant, then its speed, course, position a
 
 import msgspec
 
+from wayline.vertical.propulsion import Push
+
 
 class Elapsed(msgspec.Struct, frozen=True, gc=False):
     """Time has passed; keeps prediction steps short."""
@@ -132,27 +134,6 @@ class Pressure(msgspec.Struct, frozen=True, gc=False):
     """Of rounding and noise; the weather is the barometer's bias."""
 
 
-class EnginePush(msgspec.Struct, frozen=True, gc=False):
-    """The engine's force at the wheels, a mean of a window that ends at the instant."""
-
-    t_ns: int
-    length_s: float
-    share: float
-    """Force less air over the weight of the stated mass."""
-    level: float
-    """What rolling and acceleration take of the true weight."""
-    sampling_std: float
-    """Of the slope, by few torques."""
-    speed_std_mps: float
-    """Of the wheels at either end."""
-    goes_on: bool
-    """Whether it begins where the last window ended."""
-    share_before: float
-    """Mean of the windows before."""
-    behind_m: float
-    """How far before the instant the window's middle lies."""
-
-
 class ReportedSlope(msgspec.Struct, frozen=True, gc=False):
     """The slope (tan of the angle) that the vehicle reports, a mean that ends at the instant."""
 
@@ -196,7 +177,7 @@ Event = (
     | FixTaken
     | GpsAltitude
     | Pressure
-    | EnginePush
+    | Push
     | ReportedSlope
     | GyroRestarted
     | GyroWarmed

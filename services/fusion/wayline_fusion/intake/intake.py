@@ -11,11 +11,11 @@ from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
 from wayline.resolution import PRESSURE_UNIT_PA, Resolution
 from wayline.tuning import Tuning
 from wayline.vertical.engine import Engine
+from wayline.vertical.propulsion import Push
 from wayline_fusion.filter.gyro_track import TakeGyro
 from wayline_fusion.intake.clock_steps import ClockSteps
 from wayline_fusion.intake.events import (
     ClockStep,
-    EnginePush,
     Event,
     Fix,
     FixInterval,
@@ -126,10 +126,9 @@ class Intake:
         signed_mps = -odometer.speed_mps if self._reverse else odometer.speed_mps
         return WheelSpeed(odometer.t_ns, signed_mps, std_mps)
 
-    def push(self, odometer: Odometer) -> EnginePush | None:
+    def push(self, odometer: Odometer) -> Push | None:
         """What torque has told of the slope up to an odometer's message."""
-        push = self._engine.wheels(odometer)
-        return None if push is None else EnginePush(*push)
+        return self._engine.wheels(odometer)
 
     def torque(self, torque: Torque) -> ReportedSlope | None:
         """What a torque's message tells of the slope by itself."""
