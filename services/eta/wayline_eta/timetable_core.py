@@ -12,6 +12,7 @@ from wayline.node import Node
 from wayline.timetable.runs import Run, Runs
 from wayline.tuning import Tuning
 from wayline_eta.arrivals import predict_arrivals
+from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
 from wayline_eta.trip_choice import Followed, TripChoice
 
@@ -38,39 +39,42 @@ class TimetableEtaCore:
     def __init__(self, runs: Runs, tuning: Tuning, assignment: str | None = None) -> None:
         self._choice = TripChoice(runs, tuning)
         self._tuning, self._configured = tuning, assignment
+        self._sightings = Sightings(tuning)
         self._pose: Pose | None = None
         self._is_stale = False
         """Whether it has been told that the pose is old."""
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take a pose, a report with an assignment or a tick; anything else is not read."""
-        del source
         if isinstance(message, GpsFix):
+            self._sightings.take_fix(message, source)
             self._choice.assign(message.assignment, message.t_ns)
             if message.valid:
                 self._choice.count_fix()
         elif isinstance(message, Pose):
-            self._take(message)
+            self._take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
+            self._take(self._sightings.pass_time(message.t_ns))
             return self._tell(message.t_ns, message.age_ns)
         return ()
 
-    def _take(self, pose: Pose) -> None:
-        if pose.lat_deg is None or pose.lon_deg is None or pose.mode == "lost":
-            return
-        self._choice.assign(self._configured, pose.t_ns)
-        self._pose, self._is_stale = pose, False
-        self._choice.observe(pose, pose.lat_deg, pose.lon_deg)
+    def _take(self, seen: Sequence[Sighting]) -> None:
+        for pose, reported in seen:
+            if pose.lat_deg is None or pose.lon_deg is None:
+                continue
+            self._choice.assign(self._configured, pose.t_ns)
+            self._pose, self._is_stale = pose, False
+            self._choice.observe(pose, pose.lat_deg, pose.lon_deg, reported=reported)
 
     def _tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
         pose, current = self._pose, self._choice.current
         if pose is None or current is None:
             return []
         age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
-        if age_s > self._tuning.eta_forget_after_s:
+        if age_s > self._sightings.forgotten_after_s:
             self._pose = None
             return [self._arrivals(current, t_ns, pose.t_ns, (), stale=True)]
-        stale = age_s > self._tuning.eta_stale_after_s
+        stale = age_s > self._sightings.stale_after_s
         if stale and self._is_stale:
             return []
         self._is_stale = stale

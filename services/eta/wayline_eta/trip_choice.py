@@ -91,11 +91,13 @@ class TripChoice:
         """A receiver, or a report, has told a position."""
         self._now = self._now._replace(fixes=self._now.fixes + 1)
 
-    def observe(self, pose: Pose, lat_deg: float, lon_deg: float) -> None:
-        """Take the next pose with its position in degrees."""
+    def observe(
+        self, pose: Pose, lat_deg: float, lon_deg: float, *, reported: bool = False
+    ) -> None:
+        """Take the next pose with its position in degrees; `reported` where it is a report's."""
         places = self._looked_at(lat_deg, lon_deg)
         for place in places:
-            self._follower(place).observe(pose, lat_deg, lon_deg)
+            self._follower(place).observe(pose, lat_deg, lon_deg, reported=reported)
         for place in [each for each in self._followers if each not in places]:
             del self._followers[place]
         if self._current is not None and position_std_m(pose, None) > self._tuning.on_route_m:
