@@ -67,7 +67,13 @@ def test_stale_is_three_usual_intervals_of_seldom_reports() -> None:
 
 def test_wheels_reckon_on_between_seldom_reports() -> None:
     sightings = Sightings(Tuning())
-    heard = [fix(0), pose(0, "fused"), fix(30), pose(15, "dead_reckoning"), pose(30, "fused")]
+    heard: list[GpsFix | Pose] = [
+        fix(0),
+        pose(0, "fused"),
+        fix(30),
+        pose(15, "dead_reckoning"),
+        pose(30, "fused"),
+    ]
     assert all(not reported for _, reported in told(sightings, *heard))
 
 
