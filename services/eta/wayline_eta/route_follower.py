@@ -135,13 +135,15 @@ class RouteFollower:
         return along
 
     def _hold(self, before: Along | None, now: Along) -> None:
-        """Let progress wait for a vehicle that is a little behind what was told of it.
+        """Let progress wait for a vehicle that drives behind what was told of it, within noise.
 
-        Not at a place beyond the one where it stands.
+        Where it stands it is told to stand.
         """
-        told_m = max(before.total_m, self._floor_m) if before is not None else now.total_m
-        is_noise = now.total_m < told_m < now.total_m + HOLD_M and now.speed_mps > 0.0
-        self._floor_m = told_m if is_noise else now.total_m
+        floor_m, self._floor_m = self._floor_m, now.total_m
+        if before is not None and now.speed_mps > 0.0:
+            told_m = max(before.total_m, floor_m)
+            if told_m - now.total_m < max(HOLD_M, HOLD_SIGMAS * before.std_m):
+                self._floor_m = max(told_m, now.total_m)
 
     def _held(self, place: Place) -> Place:
         if self._place is None:

@@ -14,7 +14,8 @@ from wayline.tuning import Tuning
 from wayline_eta.arrivals import predict_arrivals
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
-from wayline_eta.trip_choice import Followed, TripChoice
+from wayline_eta.trip_choice import TripChoice
+from wayline_eta.trip_fit import Followed
 
 SECOND_NS = 1_000_000_000
 
@@ -86,6 +87,12 @@ class TimetableEtaCore:
     def _trip_id(self, run: Run) -> str | None:
         return run.trip.trip_id if self._choice.is_certain else None
 
+    def _direction_id(self, run: Run) -> int | None:
+        """Null as long as it may be the other one."""
+        told = run.pattern.direction_id
+        rivals = () if self._choice.is_certain else self._choice.rivals
+        return told if all(rival.pattern.direction_id == told for rival in rivals) else None
+
     def _progress(self, current: Followed, t_ns: int) -> Progress | None:
         progress, run = current.follower.progress(t_ns), current.run
         if progress is None:
@@ -95,7 +102,7 @@ class TimetableEtaCore:
             progress,
             route_id=run.pattern.route_id,
             trip_id=self._trip_id(run),
-            direction_id=run.pattern.direction_id,
+            direction_id=self._direction_id(run),
             delay_s=run.delay_s(progress.distance_m, t_ns) if known else None,
         )
 

@@ -1,0 +1,84 @@
+"""Pure: the lines of a timetable near a vehicle, and for how long it has followed each."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from wayline.messages import Pose
+from wayline.timetable.runs import PatternPlace, Run, Runs
+from wayline.tuning import Tuning
+from wayline_eta.route_follower import RouteFollower
+
+
+class Progressed(NamedTuple):
+    """How far a vehicle has come, and how many fixes it has had."""
+
+    travelled_m: float
+    fixes: int
+
+
+class LinesFollowed:
+    """Of one vehicle: a follower for every line that is looked at."""
+
+    def __init__(self, runs: Runs, tuning: Tuning) -> None:
+        self._runs, self._tuning = runs, tuning
+        self._followers: dict[PatternPlace, RouteFollower] = {}
+        self._since: dict[PatternPlace, Progressed] = {}
+        self.now = Progressed(0.0, 0)
+
+    def __getitem__(self, place: PatternPlace) -> RouteFollower:
+        if place not in self._followers:
+            routes = self._runs.line_of(place)
+            assert routes is not None  # noqa: S101  # a run was made of it
+            first = routes.of_timing(routes.some_timing, "")
+            self._followers[place] = RouteFollower(first.route, self._tuning)
+        return self._followers[place]
+
+    def __iter__(self) -> Iterator[PatternPlace]:
+        return iter(self._followers)
+
+    def observe(
+        self,
+        places: set[PatternPlace],
+        pose: Pose,
+        lat_deg: float,
+        lon_deg: float,
+        *,
+        reported: bool,
+    ) -> None:
+        """Look at these lines with the next pose, or report, and at no others."""
+        for place in places:
+            self[place].observe(pose, lat_deg, lon_deg, reported=reported)
+        for place in [each for each in self._followers if each not in places]:
+            del self._followers[place]
+
+    def count_fix(self) -> None:
+        """A receiver, or a report, has told a position."""
+        self.now = self.now._replace(fixes=self.now.fixes + 1)
+
+    def note(self, travelled_m: float) -> None:
+        """Note which lines are followed, at a pose that is sure enough to decide anything by."""
+        self.now = self.now._replace(travelled_m=travelled_m)
+        self._since = {
+            place: self._since.get(place, self.now)
+            for place, follower in self._followers.items()
+            if follower.on_route
+        }
+
+    def is_on(self, place: PatternPlace) -> bool:
+        """Whether the vehicle followed a line at the last pose that was noted."""
+        return place in self._since
+
+    def is_followed(self, place: PatternPlace, metres: float, fixes: int) -> bool:
+        """Whether the vehicle has been on a line for so far, and so many fixes have said so."""
+        since, now = self._since.get(place), self.now
+        return (
+            since is not None
+            and now.travelled_m - since.travelled_m >= metres
+            and now.fixes - since.fixes >= fixes
+        )
+
+    def drive(self, run: Run, *, afresh: bool) -> None:
+        """Follow a run's line by that run's plan; afresh where the line is driven once more."""
+        if afresh:
+            self._followers.pop(run.pattern_place, None)
+        self[run.pattern_place].run_as(run.trip_route.route)
