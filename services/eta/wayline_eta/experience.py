@@ -1,0 +1,137 @@
+"""Pure: what every vehicle has taught of travel and dwell times, and what to expect by it.
+
+Travel is the logarithm of time taken over time planned, a leg's by half hour and class of day. Each
+level is held to the one above by as much as it knows less: half hour, class of day, leg, all legs
+of the route, plan. On top comes what traffic is now: how much slower than usual a leg was for
+whoever drove it last, which fades within `CONGESTION_S`.
+"""
+
+import math
+from collections import defaultdict
+from typing import NamedTuple
+from zoneinfo import ZoneInfo
+
+from wayline_eta.day_slots import slot_of
+from wayline_eta.forgetful import Forgetful
+from wayline_eta.legs import Leg
+from wayline_eta.records import Taken
+
+HELD = {"slot": 4.0, "day": 3.0, "leg": 1.0}
+"""What the level above is worth to each, in observations."""
+PLAN_HELD = 3.0
+"""What a plan is worth against all legs' mean; a timetable is worth more than a few legs."""
+TIMETABLE_HELD = 60.0
+LEG_STD = 0.15
+"""Of the logarithm from run to run, before runs have told; worth PRIOR_RUNS."""
+PRIOR_RUNS = 4.0
+UNSEEN_STD = 0.25
+"""Of a leg that nobody has driven, from all others' mean."""
+PLAN_STD = 0.30
+"""Of all legs from the plan, before any was driven."""
+TIMETABLE_STD = 0.12
+CONGESTION_STD = 0.10
+CONGESTION_S = 1_200.0
+RATIO_MAX = 20.0
+"""A leg that took so many times its plan is a breakdown or a detour, and so is its inverse."""
+DWELL_MAX_S = 1_200.0
+DWELL_STD_S = 6.0
+DWELL_RUNS = 2.0
+"""A planned dwell is worth so many that were seen."""
+
+
+class Expected(NamedTuple):
+    """A time with its variance."""
+
+    seconds: float
+    variance_s2: float
+
+
+class Congestion(NamedTuple):
+    """How much slower than usual a leg is, as a logarithm (a scalar Kalman filter)."""
+
+    t_ns: int = 0
+    mean: float = 0.0
+    variance: float = CONGESTION_STD**2
+
+    def at(self, t_ns: int) -> "Congestion":
+        """Later: it fades, and nobody knows better than before."""
+        kept = math.exp(-max(t_ns - self.t_ns, 0) * 1e-9 / CONGESTION_S)
+        unknown = (1.0 - kept**2) * CONGESTION_STD**2
+        return Congestion(max(t_ns, self.t_ns), kept * self.mean, kept**2 * self.variance + unknown)
+
+    def measured(self, off: float, variance: float) -> "Congestion":
+        """After a run that was off from what is usual."""
+        gain = self.variance / (self.variance + variance)
+        return Congestion(
+            self.t_ns, self.mean + gain * (off - self.mean), (1.0 - gain) * self.variance
+        )
+
+
+class Experience:
+    """Of all vehicles of a process. `is_timetable` says that plans are a timetable's times."""
+
+    def __init__(self, zone: ZoneInfo, *, is_timetable: bool) -> None:
+        self._zone = zone
+        self._plan_held = TIMETABLE_HELD if is_timetable else PLAN_HELD
+        self._plan_variance = (TIMETABLE_STD if is_timetable else PLAN_STD) ** 2
+        self._travel: defaultdict[tuple[object, ...], Forgetful] = defaultdict(Forgetful)
+        self._dwell: defaultdict[str, Forgetful] = defaultdict(Forgetful)
+        self._now: dict[str, Congestion] = {}
+
+    def learn(self, seen: Taken, *, is_now: bool = True) -> None:
+        """Take what a vehicle took; breakdowns teach nothing.
+
+        What is read back from a database says nothing of the traffic now (`is_now`).
+        """
+        if seen.dwell_s <= DWELL_MAX_S:
+            self._dwell[seen.stop] = self._dwell[seen.stop].with_value(seen.dwell_s)
+        if seen.leg is None or not _is_usual(seen):
+            return
+        ratio = math.log(seen.travel_s / seen.planned_s)
+        if is_now:
+            usual, variance = self._usual(seen.leg, seen.plan, seen.t_ns)
+            now = self._now.get(seen.leg, Congestion(seen.t_ns)).at(seen.t_ns)
+            self._now[seen.leg] = now.measured(ratio - usual, variance)
+        day, slot = slot_of(seen.t_ns, self._zone)
+        for key in (seen.plan,), (seen.leg,), (seen.leg, day), (seen.leg, day, slot):
+            self._travel[key] = self._travel[key].with_value(ratio)
+
+    def travel(self, leg: Leg, plan: str, t_ns: int, ahead_s: float = 0.0) -> Expected:
+        """Of a leg that is begun `ahead_s` from an instant; the median, and the variance of it."""
+        begun_ns = t_ns + round(ahead_s * 1e9)
+        usual, variance = self._usual(leg.key, plan, begun_ns)
+        if (now := self._now.get(leg.key)) is not None:
+            faded = now.at(begun_ns)
+            usual, variance = usual + faded.mean, variance + faded.variance
+        seconds = leg.planned_s * math.exp(usual)
+        return Expected(seconds, variance * seconds**2)
+
+    def dwell(self, stop: str, planned_s: float) -> Expected:
+        """At a stop."""
+        known = self._dwell.get(stop, Forgetful())
+        prior = max(DWELL_STD_S, 0.5 * planned_s) ** 2
+        mean_s = known.blended(planned_s, DWELL_RUNS)
+        unsure = prior * DWELL_RUNS / (known.weight + DWELL_RUNS)
+        return Expected(mean_s, known.variance(prior, DWELL_RUNS) + 0.25 * unsure)
+
+    def _usual(self, leg: str, plan: str, t_ns: int) -> tuple[float, float]:
+        """The logarithm of taken over planned, and its variance for one run."""
+        day, slot = slot_of(t_ns, self._zone)
+        of_all, of_leg = self._known(plan), self._known(leg)
+        mean = of_all.blended(0.0, self._plan_held)
+        unsure = self._plan_variance * self._plan_held / (of_all.weight + self._plan_held)
+        mean = of_leg.blended(mean, HELD["leg"])
+        share = HELD["leg"] / (of_leg.weight + HELD["leg"])
+        unsure = share * (unsure + UNSEEN_STD**2 * min(1.0, of_all.weight))
+        mean = self._known(leg, day).blended(mean, HELD["day"])
+        of_slot = self._known(leg, day, slot)
+        mean = of_slot.blended(mean, HELD["slot"])
+        spread = of_slot if of_slot.weight > PRIOR_RUNS else of_leg
+        return mean, spread.variance(LEG_STD**2, PRIOR_RUNS) + unsure
+
+    def _known(self, *key: object) -> Forgetful:
+        return self._travel.get(key, Forgetful())
+
+
+def _is_usual(seen: Taken) -> bool:
+    return seen.planned_s / RATIO_MAX < seen.travel_s < seen.planned_s * RATIO_MAX

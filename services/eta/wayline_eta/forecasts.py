@@ -1,0 +1,60 @@
+"""Pure: what was forecast of a vehicle's arrivals, kept until each has come."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from wayline_eta.ranges import span_of
+
+EVERY_NS = 60_000_000_000
+"""Of a stop one forecast a minute is remembered."""
+KEPT_MAX = 64
+"""Forecasts of one stop; who is forecast for longer is scored by the last hour."""
+
+
+class Forecast(NamedTuple):
+    """Of one arrival, as it was told."""
+
+    made_ns: int
+    arrival_ns: int
+    early_width_ns: int
+    """From the model's own p10 to its p50, before it was scaled; and on to its p90."""
+    late_width_ns: int
+
+
+class Came(NamedTuple):
+    """A forecast whose arrival has come."""
+
+    made_ns: int
+    span: int
+    off: float
+    """By how many of its half widths the arrival was late; negative: early."""
+
+
+class Forecasts:
+    """Of one vehicle on one route, by stop."""
+
+    def __init__(self) -> None:
+        self._made: dict[int, list[Forecast]] = {}
+
+    def make(self, stop: int, forecast: Forecast) -> None:
+        """Remember a forecast, if a minute has passed since the last one of that stop."""
+        made = self._made.setdefault(stop, [])
+        if made and forecast.made_ns - made[-1].made_ns < EVERY_NS:
+            return
+        if len(made) == KEPT_MAX:
+            del made[0]
+        made.append(forecast)
+
+    def arrive(self, stop: int, arrived_ns: int) -> Iterator[Came]:
+        """Compare what was forecast of a stop with when the vehicle came there."""
+        for made in self._made.pop(stop, ()):
+            off_ns = arrived_ns - made.arrival_ns
+            width_ns = made.late_width_ns if off_ns >= 0 else made.early_width_ns
+            ahead_s = (arrived_ns - made.made_ns) * 1e-9
+            if ahead_s > 0.0:
+                yield Came(made.made_ns, span_of(ahead_s), off_ns / max(width_ns, 1))
+
+    def forget(self, stops: Sequence[int] | None = None) -> None:
+        """What was forecast will not come: the vehicle has left the route, or its trip."""
+        for stop in list(self._made) if stops is None else stops:
+            self._made.pop(stop, None)

@@ -1,0 +1,42 @@
+"""Pure: what eta keeps: what vehicles took, and how what was forecast of them came."""
+
+import msgspec
+
+from wayline.core import Record
+
+
+class Taken(msgspec.Struct, frozen=True):
+    """What one vehicle took for a leg, and at the stop where that ends."""
+
+    t_ns: int
+    """Of the arrival at the stop."""
+    leg: str | None
+    """The leg's key; None where the vehicle was not seen all the way from a stop."""
+    plan: str
+    """Whose plan the leg has: a route, or a line of a timetable."""
+    planned_s: float
+    travel_s: float
+    stop: str
+    """The key of the stop."""
+    dwell_s: float
+    """0 where it passed."""
+
+
+class Came(msgspec.Struct, frozen=True):
+    """A forecast whose arrival has come."""
+
+    made_ns: int
+    stop: str
+    """The key of the stop."""
+    plan: str
+    span: int
+    """Of the minutes ahead, see `ranges`."""
+    off: float
+    """By how many half widths of its range the arrival was late; negative: early."""
+
+
+class Learned(Record, frozen=True, kw_only=True):
+    """What a vehicle's leaving a stop has taught."""
+
+    taken: Taken
+    came: tuple[Came, ...] = ()

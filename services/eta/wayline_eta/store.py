@@ -1,0 +1,102 @@
+"""Keeps what eta has learned in its database, row by row, so that it can be learned anew."""
+
+from collections.abc import Sequence
+
+import msgspec
+import sqlalchemy as sa
+from sqlalchemy.dialects import postgresql, sqlite
+
+from wayline.core import Record
+from wayline.database import write_transaction
+from wayline_eta.records import Came, Learned, Taken
+from wayline_eta.tables import CAME, TAKEN
+
+KEPT_DAYS = 90
+"""Before the newest; what is older is deleted at a start."""
+DAY_NS = 86_400 * 1_000_000_000
+LEG_RUNS = 200
+"""The newest of each leg are read at a start; the model forgets sooner."""
+CAME_READ = 20_000
+
+
+class EtaTables:
+    """The rows of all vehicles, on an engine from `open_database(url, "wayline_eta")`.
+
+    The same vehicle at the same instant is the same row, so a drive that is replayed twice teaches
+    once.
+    """
+
+    def __init__(self, engine: sa.Engine) -> None:
+        self._engine = engine
+        self._is_told = False
+
+    def save(self, vehicle_id: str, record: Record) -> Sequence[msgspec.Struct]:
+        """Keep what was learned; there is no answer."""
+        if not isinstance(record, Learned):
+            raise TypeError(f"eta keeps no {type(record).__name__}")
+        with write_transaction(self._engine) as connection:
+            taken = {"vehicle_id": vehicle_id, **msgspec.structs.asdict(record.taken)}
+            connection.execute(_new(connection, TAKEN), taken)
+            if record.came:
+                rows = [
+                    {"vehicle_id": vehicle_id, **msgspec.structs.asdict(each)}
+                    for each in record.came
+                ]
+                connection.execute(_new(connection, CAME), rows)
+        return ()
+
+    def look(self) -> Sequence[msgspec.Struct]:
+        """Everything that is kept, oldest first, once."""
+        if self._is_told:
+            return ()
+        self._delete_old()
+        found = [*self._taken(), *self._came()]
+        self._is_told = True
+        return found
+
+    def _delete_old(self) -> None:
+        with write_transaction(self._engine) as connection:
+            for table, time in ((TAKEN, TAKEN.c.t_ns), (CAME, CAME.c.made_ns)):
+                newest_ns = connection.execute(sa.select(sa.func.max(time))).scalar_one()
+                if newest_ns is not None:
+                    old = time < newest_ns - KEPT_DAYS * DAY_NS
+                    connection.execute(sa.delete(table).where(old))
+
+    def _taken(self) -> list[Taken]:
+        number = sa.func.row_number().over(
+            partition_by=[TAKEN.c.stop, TAKEN.c.leg], order_by=TAKEN.c.t_ns.desc()
+        )
+        numbered = sa.select(TAKEN, number.label("number")).subquery()
+        columns = [numbered.c[name] for name in Taken.__struct_fields__]
+        query = (
+            sa.select(*columns)
+            .where(numbered.c.number <= LEG_RUNS)
+            .order_by(numbered.c.t_ns, numbered.c.vehicle_id)
+        )
+        with self._engine.connect() as connection:
+            return [Taken(*row) for row in connection.execute(query)]
+
+    def _came(self) -> list[Came]:
+        columns = [CAME.c[name] for name in Came.__struct_fields__]
+        order = CAME.c.made_ns.desc(), CAME.c.vehicle_id.desc(), CAME.c.stop.desc()
+        query = sa.select(*columns).order_by(*order).limit(CAME_READ)
+        with self._engine.connect() as connection:
+            return [Came(*row) for row in connection.execute(query)][::-1]
+
+
+class EtaStore:
+    """One vehicle's records, for a replay."""
+
+    def __init__(self, tables: EtaTables, vehicle_id: str) -> None:
+        self._tables, self._vehicle_id = tables, vehicle_id
+
+    def save(self, record: Record) -> Sequence[msgspec.Struct]:
+        """Keep what was learned; there is no answer."""
+        return self._tables.save(self._vehicle_id, record)
+
+
+def _new(connection: sa.Connection, table: sa.Table) -> sa.Insert:
+    """Rows that are there already stay as they are."""
+    is_sqlite = connection.dialect.name == "sqlite"
+    insert = sqlite.insert(table) if is_sqlite else postgresql.insert(table)
+    return insert.on_conflict_do_nothing()

@@ -1,0 +1,35 @@
+"""Pure: the tables of the eta database: what vehicles took, and how forecasts came."""
+
+import sqlalchemy as sa
+
+METADATA = sa.MetaData()
+
+TAKEN = sa.Table(
+    "eta_taken",
+    METADATA,
+    sa.Column("vehicle_id", sa.Text, primary_key=True),
+    # Unix time of the arrival at the stop
+    sa.Column("t_ns", sa.BigInteger, primary_key=True),
+    # key of the leg to the stop; null where only the dwell was seen
+    sa.Column("leg", sa.Text),
+    sa.Column("plan", sa.Text, nullable=False),
+    sa.Column("planned_s", sa.Float, nullable=False),
+    sa.Column("travel_s", sa.Float, nullable=False),
+    sa.Column("stop", sa.Text, nullable=False),
+    sa.Column("dwell_s", sa.Float, nullable=False),
+    sa.Index("eta_taken_t_ns", "t_ns"),
+)
+
+CAME = sa.Table(
+    "eta_came",
+    METADATA,
+    sa.Column("vehicle_id", sa.Text, primary_key=True),
+    # Unix time at which it was forecast
+    sa.Column("made_ns", sa.BigInteger, primary_key=True),
+    sa.Column("stop", sa.Text, primary_key=True),
+    sa.Column("plan", sa.Text, nullable=False),
+    # which span of minutes ahead, and by how many half widths of its range it was late
+    sa.Column("span", sa.Integer, nullable=False),
+    sa.Column("off", sa.Float, nullable=False),
+    sa.Index("eta_came_made_ns", "made_ns"),
+)
