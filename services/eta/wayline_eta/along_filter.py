@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from wayline_eta.expected_motion import ExpectedMotion
+from wayline_eta.stands import MOVING, TAIL, Stand
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -37,13 +38,13 @@ UNEXPECTED = 0.02
 points are put where it says as it was less expected."""
 ANEW_STANDS = 0.6
 """Of those put at a stop; elsewhere a fifth of that."""
-STAND_S, STAND_TAIL = 8.0, 2.0
-"""A stand has no usual length: one that has lasted for some time goes on for a share of it. Of
-those that last so long and s seconds more, the share is (1 + s / so long) to the power of minus
-the tail: as often as not they go on for 0.41 of their time, one in ten for 2.2 times it."""
+STAND_S = 8.0
+"""Between stops a stand lasts at least about so long."""
 NEAR_STOP_M = 20.0
 PLACE_STD_M = 5.0
 """Lines, stops and antennas are off by so much besides a report's own error."""
+OVERDUE_SHARE = 0.3
+"""At a stop, where a dwell is over: so much of such a stand."""
 CONTRADICTED = 0.002
 """What is left of a point that drives where the report says that it stands, or the other way."""
 ROWS = 61
@@ -68,10 +69,9 @@ class Along(NamedTuple):
     std_m: float
     speed_mps: float
     """0 where it stands."""
-    stands_s: float
-    """Still to stand where it is, the median; 0 under way."""
+    stand: Stand
     stood_s: float
-    """Since it came to stand there."""
+    """Since it came to stand where it is; 0 under way."""
 
 
 class Points(NamedTuple):
@@ -110,13 +110,13 @@ class AlongFilter:
         """What is expected of an instant at or after the last report."""
         if t_ns < self._ahead_ns:
             self._ahead, self._ahead_ns = self._points, self._t_ns
-        self._ahead = self._gone_on(self._ahead, (t_ns - self._ahead_ns) * 1e-9)
+        self._ahead = self._gone_on(self._ahead, self._ahead_ns, t_ns)
         self._ahead_ns = max(t_ns, self._ahead_ns)
         return self._told(self._ahead)
 
     def report(self, t_ns: int, place_m: float, std_m: float, *, moves: bool | None) -> None:
         """Take where the vehicle was; `moves` where the report itself says whether it does."""
-        points = self._gone_on(self._points, (t_ns - self._t_ns) * 1e-9)
+        points = self._gone_on(self._points, self._t_ns, t_ns)
         std_m = float(np.hypot(std_m, PLACE_STD_M))
         weights = np.exp(-0.5 * ((points.totals_m - place_m) / std_m) ** 2)
         if moves is not None:
@@ -126,7 +126,7 @@ class AlongFilter:
         chosen = _evenly(weights + 1e-12, POINTS)
         points = Points(*(part[chosen] for part in points))
         points = self._anew(points, anew, place_m, std_m, moves=moves)
-        self._points, self._t_ns = self._renewed(points), t_ns
+        self._points, self._t_ns = self._renewed(points, t_ns), t_ns
         self._ahead, self._ahead_ns = self._points, t_ns
 
     def _beginning(self, total_m: float, std_m: float, pace: float) -> Points:
@@ -161,30 +161,39 @@ class AlongFilter:
             stood_s=np.where(anew, np.where(stands, stood_s, 0.0), points.stood_s),
         )
 
-    def _renewed(self, points: Points) -> Points:
+    def _renewed(self, points: Points, t_ns: int) -> Points:
         """With what has changed since the last report, and the rest of each stand drawn anew."""
         paces = points.paces * np.exp(PACE_WALK * self._normal())
         extras_s = points.extras_s + EXTRA_WALK_S * self._normal()
         return points._replace(
             paces=np.clip(paces, 0.3, 2.5),
             extras_s=np.clip(extras_s, -60.0, 90.0),
-            left_s=np.where(points.left_s > 0.0, self._still_stands_s(points), 0.0),
+            left_s=np.where(points.left_s > 0.0, self._still_stands_s(points, t_ns), 0.0),
         )
 
-    def _still_stands_s(self, points: Points) -> Floats:
+    def _still_stands_s(self, points: Points, t_ns: int) -> Floats:
         """The rest of a dwell, given how long it has lasted; what outlasts it is a stand."""
         places_m, which = self._motion.next_stops(points.totals_m - 0.02)
         at_stop = np.abs(places_m - points.totals_m) < 0.1
         usual_s = np.where(at_stop, self._dwells_s(which, points.extras_s), 0.0)
         dwells_s = usual_s + DWELL_STD_S * self._normal()
         over_s = np.maximum(points.stood_s - usual_s - DWELL_STD_S, 0.0)
-        tail_s = (STAND_S + over_s) * (self._even() ** (-1.0 / STAND_TAIL) - 1.0)
+        tail_s = (STAND_S + over_s) * (self._even() ** (-1.0 / TAIL) - 1.0)
         rest_s = dwells_s - points.stood_s
-        tail_s = np.where(at_stop, 0.3, 1.0) * tail_s
-        return np.asarray(np.where(at_stop & (rest_s > 0.0), rest_s, tail_s))
+        tail_s = np.where(at_stop, OVERDUE_SHARE, 1.0) * tail_s
+        stands_s = np.where(at_stop & (rest_s > 0.0), rest_s, tail_s)
+        waits_s = np.where(at_stop, self._waits_s(which, np.full(POINTS, float(t_ns))), 0.0)
+        return np.maximum(stands_s, waits_s)
 
-    def _gone_on(self, points: Points, seconds: float) -> Points:
-        """After some seconds, from stop to stop."""
+    def _waits_s(self, which: NDArray[np.intp], times_ns: Floats) -> Floats:
+        """Until the vehicle may leave stops, of those that it has come to at instants."""
+        if not len(self._motion.leaves_ns):
+            return np.zeros(len(which))
+        return np.asarray(np.maximum(self._motion.leaves_ns[which] - times_ns, 0.0) * 1e-9)
+
+    def _gone_on(self, points: Points, from_ns: int, to_ns: int) -> Points:
+        """After some time, from stop to stop."""
+        seconds = (to_ns - from_ns) * 1e-9
         if seconds <= 0.0:
             return points
         totals_m, leg_paces = points.totals_m.copy(), points.leg_paces.copy()
@@ -205,9 +214,10 @@ class AlongFilter:
             on_m = self._motion.distance_at(driven_s + budget_s * speed)
             totals_m = np.where(comes, stops_m, np.where(budget_s > 0.0, on_m, totals_m))
             dwells_s = self._dwells_s(which, points.extras_s) + DWELL_STD_S * self._normal()
-            left_s = np.where(comes, np.maximum(dwells_s, 0.0), left_s)
             leg_paces = np.where(comes, self._leg_paces(), leg_paces)
             budget_s = np.where(comes, budget_s - legs_s, 0.0)
+            dwells_s = np.maximum(dwells_s, self._waits_s(which, to_ns - budget_s * 1e9))
+            left_s = np.where(comes, np.maximum(dwells_s, 0.0), left_s)
         return points._replace(
             totals_m=totals_m, leg_paces=leg_paces, left_s=left_s, stood_s=stood_s
         )
@@ -236,10 +246,10 @@ class AlongFilter:
         middle_m = float(np.median(points.totals_m))
         std_m = float(np.std(points.totals_m))
         if np.count_nonzero(stands) * 2 > POINTS:
-            left_s, stood_s = np.median(points.left_s[stands]), np.median(points.stood_s[stands])
-            return Along(middle_m, std_m, 0.0, float(left_s), float(stood_s))
+            stand = Stand(*np.quantile(points.left_s, (0.1, 0.5, 0.9)).tolist())
+            return Along(middle_m, std_m, 0.0, stand, float(np.median(points.stood_s[stands])))
         pace = float(np.median((points.paces * points.leg_paces)[~stands]))
-        return Along(middle_m, std_m, pace * self._motion.speed_mps(middle_m), 0.0, 0.0)
+        return Along(middle_m, std_m, pace * self._motion.speed_mps(middle_m), MOVING, 0.0)
 
 
 def _evenly(weights: Floats, count: int) -> NDArray[np.intp]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wayline.route import Route
+from wayline_eta.stop_visits import BOARDING_S
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -26,12 +27,14 @@ class ExpectedMotion:
     """Of one route; arrays of distances go on growing over a loop's laps.
 
     `stops_m` (shape (stops,), rising) are the places of its stops, `dwells_s` how long a vehicle
-    is expected to stand there.
+    is expected to stand there, `leaves_ns` when it leaves there at the earliest.
     """
 
-    def __init__(self, route: Route) -> None:
+    def __init__(self, route: Route, leaves_ns: Floats | None = None) -> None:
         self._route = route
-        self.stops_m, self._planned_s = _once(route)
+        if leaves_ns is None:
+            leaves_ns = np.full(len(route.stops), -np.inf)
+        self.stops_m, self._planned_s, self.leaves_ns = _once(route, leaves_ns)
 
     def driven_s(self, totals_m: Floats) -> Floats:
         """Seconds of driving from the start to distances, at the planned speeds, without dwells."""
@@ -79,8 +82,10 @@ class ExpectedMotion:
 
     @cached_property
     def dwells_s(self) -> Floats:
-        """Shape (stops,)."""
-        return np.where(self._is_untold, self._untold_s, self._planned_s)
+        """Shape (stops,). Where a vehicle waits for its time the plan's dwell is mostly that."""
+        dwells_s = np.where(self._is_untold, self._untold_s, self._planned_s)
+        waits = np.isfinite(self.leaves_ns)
+        return np.where(waits, np.minimum(dwells_s, BOARDING_S), dwells_s)
 
     @property
     def is_untold(self) -> bool:
@@ -145,11 +150,11 @@ class ExpectedMotion:
         return np.asarray(speeds_mps * factors[section])
 
 
-def _once(route: Route) -> tuple[Floats, Floats]:
-    """Places of the stops, rising, each once, with the longest planned dwell there."""
-    dwells_s: dict[float, float] = {}
-    for stop in route.stops:
-        place_m = round(stop.distance_m, 2)
-        dwells_s[place_m] = max(dwells_s.get(place_m, 0.0), stop.dwell_s)
-    places_m = sorted(dwells_s)
-    return np.array(places_m), np.array([dwells_s[place_m] for place_m in places_m])
+def _once(route: Route, leaves_ns: Floats) -> tuple[Floats, Floats, Floats]:
+    """Places of the stops, rising, each once, with its longest dwell and its last departure."""
+    places_m = np.round(route.stop_distances_m, 2)
+    once_m, first = np.unique(places_m, return_inverse=True)
+    dwells_s, latest_ns = np.zeros(len(once_m)), np.full(len(once_m), -np.inf)
+    np.maximum.at(dwells_s, first, route.stop_dwells_s)
+    np.maximum.at(latest_ns, first, leaves_ns)
+    return once_m, dwells_s, latest_ns

@@ -81,4 +81,4 @@ class LinesFollowed:
         """Follow a run's line by that run's plan; afresh where the line is driven once more."""
         if afresh:
             self._followers.pop(run.pattern_place, None)
-        self[run.pattern_place].run_as(run.trip_route.route)
+        self[run.pattern_place].run_as(run.trip_route.route, run.leaves_ns)

@@ -1,5 +1,8 @@
 """Pure: one vehicle on one route, from poses: its place, its presence and the stops it served."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wayline.messages import Pose, Progress
 from wayline.route import Route
 from wayline.tuning import Tuning
@@ -9,6 +12,8 @@ from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.place_tracker import Place, PlaceTracker, travelled_between_m
 from wayline_eta.presence import Presence
 from wayline_eta.stop_visits import StopVisits
+
+Floats = NDArray[np.float64]
 
 EXTRAPOLATE_AT_MOST_S = 2.0
 HOLD_M = 30.0
@@ -25,6 +30,7 @@ class RouteFollower:
     def __init__(self, route: Route, tuning: Tuning) -> None:
         self.route, self._tuning = route, tuning
         self._tracker = PlaceTracker(route)
+        self._motion = ExpectedMotion(route)
         self._presence = Presence(tuning)
         self._visits = StopVisits(route, tuning)
         self._pose: Pose | None = None
@@ -55,12 +61,15 @@ class RouteFollower:
         """Stops up to here have been arrived at."""
         return self._visits.served_m
 
-    def run_as(self, route: Route) -> None:
-        """Go on by another plan of the same line: other speeds and dwells."""
-        self.route = route
-        self._visits.run_as(route)
+    def run_as(self, route: Route, leaves_ns: Floats | None = None) -> None:
+        """Go on by another plan of the same line: other speeds, dwells and waits.
+
+        `leaves_ns`, one a stop, is when the vehicle leaves it at the earliest.
+        """
+        self.route, self._motion = route, ExpectedMotion(route, leaves_ns)
+        self._visits.run_as(route, leaves_ns)
         if self._along is not None:
-            self._along.run_as(ExpectedMotion(route))
+            self._along.run_as(self._motion)
 
     @property
     def ended(self) -> bool:
@@ -123,10 +132,8 @@ class RouteFollower:
     def _measured(self, pose: Pose, place: Place) -> AlongFilter:
         along, told_mps = self._along, pose.speed_mps
         if along is None:
-            motion, speed_mps = ExpectedMotion(self.route), told_mps or 0.0
-            is_moving = speed_mps >= self._tuning.eta_moving_mps
-            known_mps = speed_mps if is_moving else 0.0
-            return AlongFilter(motion, pose.t_ns, place.total_m, place.along_std_m, known_mps)
+            place_m, std_m = place.total_m, place.along_std_m
+            return AlongFilter(self._motion, pose.t_ns, place_m, std_m, told_mps or 0.0)
         moves = None
         if told_mps is not None:
             standing, moving = self._tuning.eta_standing_mps, self._tuning.eta_moving_mps
@@ -188,7 +195,7 @@ class RouteFollower:
                 total_m=along.total_m,
                 served_m=max(self._visits.served_m, along.total_m),
                 distance_std_m=along.std_m,
-                dwell_left_s=along.stands_s,
+                stand=along.stand,
             )
         at_ns = min(t_ns, self._pose.t_ns + round(EXTRAPOLATE_AT_MOST_S * 1e9))
         total_m = self._total_at(at_ns)
@@ -197,7 +204,7 @@ class RouteFollower:
             total_m=total_m,
             served_m=max(self._visits.served_m, total_m),
             distance_std_m=self._place.along_std_m,
-            dwell_left_s=self._visits.dwell_left_s(at_ns),
+            stand=self._visits.stand(at_ns),
         )
 
     def _total_at(self, t_ns: int) -> float:

@@ -11,7 +11,6 @@ from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArri
 from wayline.node import Node
 from wayline.timetable.runs import Run, Runs
 from wayline.tuning import Tuning
-from wayline_eta.arrivals import predict_arrivals
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
 from wayline_eta.trip_choice import TripChoice
@@ -112,9 +111,9 @@ class TimetableEtaCore:
             return ()
         first_m = float(run.trip_route.route.stop_distances_m[0])
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
-            waits_s = max((run.departs_ns - outlook.t_ns) * 1e-9, outlook.dwell_left_s)
-            outlook = outlook._replace(dwell_left_s=waits_s)
-        told = of_run(run, predict_arrivals(run.trip_route.route, outlook, t_ns))
+            waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
+            outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
+        told = of_run(run, outlook, t_ns)
         if not self._choice.is_certain:
             return before_the_fork(told, self._choice.rivals)
         return (*told, *of_next_run(self._choice.next_run, told))

@@ -84,7 +84,7 @@ def test_a_vehicle_that_stands_between_stops_is_left_where_it_stands() -> None:
         told[second] = along.at(second * SECOND_NS)
     assert all(abs(told[second].total_m - 750.0) < 25.0 for second in range(200, 631))
     assert told[600].stood_s > 200.0
-    assert told[600].stands_s > told[120].stands_s > 0.0
+    assert told[600].stand.left_s > told[120].stand.left_s > 0.0
 
 
 def test_a_report_far_from_all_that_was_expected_is_believed() -> None:
@@ -102,7 +102,7 @@ def test_told_speeds_say_whether_it_stands() -> None:
     standing.report(20 * SECOND_NS, 510.0, 10.0, moves=False)
     assert moving.at(25 * SECOND_NS).total_m > 540.0
     assert standing.at(25 * SECOND_NS).total_m == pytest.approx(500.0, abs=5.0)
-    assert standing.at(25 * SECOND_NS).stands_s > 0.0
+    assert standing.at(25 * SECOND_NS).stand.left_s > 0.0
 
 
 def test_it_goes_on_over_the_laps_of_a_loop() -> None:
