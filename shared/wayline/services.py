@@ -66,7 +66,14 @@ _ROWS = (
         Replayed.AS_NODE,
         tables=Tables(lost_without="calibration is lost at a restart"),
     ),
-    ServiceRow("eta", 8001, ("filterpy",), Replayed.AS_NODE, shows="arrivals"),
+    ServiceRow(
+        "eta",
+        8001,
+        ("filterpy",),
+        Replayed.AS_NODE,
+        tables=Tables(lost_without="what was learned of travel times is lost at a restart"),
+        shows="arrivals",
+    ),
     ServiceRow(
         "slope-map",
         8002,

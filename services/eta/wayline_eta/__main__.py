@@ -5,9 +5,11 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from wayline.core import Store
 from wayline.database import DatabaseAwayError
 from wayline.keys import query_key
 from wayline.node import Node
+from wayline.patient_store import PatientStore, Tables
 from wayline.route import Route
 from wayline.seats import MakeNode
 from wayline.service import Service
@@ -20,6 +22,8 @@ from wayline.timetable.runs import Runs
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
 from wayline_eta.core import assigned_routes, eta_node
+from wayline_eta.lessons import Lessons, lessons_by
+from wayline_eta.store import EtaTables
 from wayline_eta.timetable_core import timetable_node
 
 NAME = "eta"
@@ -29,13 +33,20 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     del options
     routes = load_routes(settings)
-    make_node = _make_node(settings, routes)
+    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
+    lessons = lessons_by(timetables)
+    store = None
+    if settings.database_url is not None:
+        where = Tables(settings.database_url, "wayline_eta", EtaTables)
+        store = PatientStore(where, settings, lessons.remember)
+    make_node = _make_node(settings, routes, timetables, lessons, store)
     board = EtaBoard()
     return Service(
         NAME,
         make_node,
         make_node("", "").core.reads,
         views=[board],
+        store=store,
         make_app=lambda healthz, telemetry: create_eta_app(
             board,
             routes,
@@ -51,15 +62,24 @@ def build(settings: Settings, options: Namespace) -> Service:
     )
 
 
-def _make_node(settings: Settings, routes: Sequence[Route]) -> MakeNode:
+def _make_node(
+    settings: Settings,
+    routes: Sequence[Route],
+    timetables: Sequence[Timetable],
+    lessons: Lessons,
+    store: PatientStore[EtaTables] | None,
+) -> MakeNode:
     """Cores on the configured timetables; without any on the configured routes."""
+
+    def kept(vehicle_id: str) -> Store | None:
+        return None if store is None else store.of(vehicle_id)
+
     tuning = settings.tuning
     named = {each.vehicle_id: each.route_id for each in settings.assignment}
-    if not settings.feeds:
+    if not timetables:
         return lambda vehicle_id, _: eta_node(
-            assigned_routes(routes, named.get(vehicle_id)), tuning
+            assigned_routes(routes, named.get(vehicle_id)), tuning, lessons, kept(vehicle_id)
         )
-    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
     for warning in timetable_warnings(timetables, [each.name for each in settings.assignment]):
         sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
     runs = Runs(timetables)
@@ -67,7 +87,7 @@ def _make_node(settings: Settings, routes: Sequence[Route]) -> MakeNode:
 
     def make(vehicle_id: str, source: str) -> Node:
         del source
-        return timetable_node(runs, tuning, assigned.get(vehicle_id))
+        return timetable_node(runs, tuning, assigned.get(vehicle_id), lessons, kept(vehicle_id))
 
     return make
 

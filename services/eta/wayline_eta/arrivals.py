@@ -1,11 +1,11 @@
-"""Pure: when a vehicle reaches the stops ahead, from planned speeds and dwells.
+"""Pure: when a vehicle reaches the stops ahead: the times of legs and dwells, added up.
 
-The spread grows with the time to go. Papers/000, table 3, gives the standard deviation of the
-error over a lap of 219 s: 27 s at its start, 10 s, 7 s and 4 s on the way, 1.1 s near the end.
-A second at least and 12 % of the time to go fits that, position error comes on top.
+The times are medians of logarithmic normal distributions, and so is their sum taken to be, with
+the sum of their variances (Fenton 1960). The legs of one run are slow or quick together.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,13 +13,17 @@ from numpy.typing import NDArray
 
 from wayline.messages import StopArrival
 from wayline.route import Route
+from wayline_eta.experience import Expected
+from wayline_eta.lessons import Forecasting
 from wayline_eta.stands import MOVING, Stand
 from wayline_eta.stop_visits import BOARDING_S, next_visits_m
 
 Floats = NDArray[np.float64]
 
-SPREAD_FLOOR_S = 1.0
-SPREAD_SHARE = 0.12
+FLOOR_S = 1.0
+RUN_STD = 0.05
+"""Of the logarithm of a whole run's time, beside its legs' own."""
+SHORT_S = 1.0
 NORMAL_P90 = 1.281_551_6
 """The 90 % quantile of the standard normal distribution."""
 
@@ -45,51 +49,108 @@ class Visit(NamedTuple):
     early_s: float
     late_s: float
     departure_s: float
+    early_width_s: float
+    """From the model's own p10 to its p50, before forecasts that came have scaled it."""
+    late_width_s: float
+    """From its p50 to its p90."""
 
 
-def predict_arrivals(route: Route, outlook: Outlook, now_ns: int) -> tuple[StopArrival, ...]:
+def predict_arrivals(by: Forecasting, outlook: Outlook, now_ns: int) -> tuple[StopArrival, ...]:
     """The next arrival at every stop still to come, soonest first, each stop once.
 
     What an outlook older than `now_ns` puts into the past is due now.
     """
-    return tuple(
-        told_arrival(route, outlook, visit, now_ns) for visit in predict_visits(route, outlook)
-    )
+    return told_arrivals(by.legs.route, outlook, predict_visits(by, outlook), now_ns)
 
 
-def predict_visits(route: Route, outlook: Outlook, leaves_ns: Floats | None = None) -> list[Visit]:
+def predict_visits(
+    by: Forecasting, outlook: Outlook, leaves_ns: Floats | None = None
+) -> list[Visit]:
     """The next visit of every stop still to come, soonest first, each stop once.
 
     `leaves_ns`, one a stop, is when the vehicle leaves it at the earliest.
     """
+    route = by.legs.route
     if not route.stops:
         return []
     visits_m = next_visits_m(route, outlook.served_m)
     order = np.argsort(visits_m, kind="stable")
     order = order[np.isfinite(visits_m[order])]
-    if leaves_ns is None:
-        leaves_ns = np.full(len(route.stops), -np.inf)
-    earliest_s = (leaves_ns[order] - outlook.t_ns) * 1e-9
-    dwells_s = route.stop_dwells_s[order]
-    dwells_s = np.where(np.isfinite(earliest_s), np.minimum(dwells_s, BOARDING_S), dwells_s)
-    arrivals_s, departures_s = _seconds_to(route, outlook, visits_m[order], dwells_s, earliest_s)
-    spreads_s = NORMAL_P90 * _spread_s(route, outlook, arrivals_s)
-    stand = outlook.stand
-    earlies_s = arrivals_s - np.hypot(spreads_s, stand.left_s - stand.early_s)
-    lates_s = arrivals_s + np.hypot(spreads_s, stand.late_s - stand.left_s)
+    stand = by.stand(outlook)
+    sums = Sums(stand.left_s, (_place_s(route, outlook)) ** 2)
     found: dict[str, Visit] = {}
-    for at, stop in enumerate(order.tolist()):
-        distance_m = max(float(visits_m[stop]) - outlook.total_m, 0.0)
+    for position, stop in enumerate(order.tolist()):
+        visit_m = float(visits_m[stop])
+        if position == 0:
+            sums = sums.with_travel(by.rest(stop, outlook.total_m, visit_m, outlook.t_ns))
+        else:
+            sums = sums.with_travel(by.travel(stop, outlook.t_ns, sums.seconds))
+        earlier_s, later_s = sums.widths_s(stand)
+        scale = by.ranges.scale(sums.seconds)
+        leaves_s = -math.inf if leaves_ns is None else (leaves_ns[stop] - outlook.t_ns) * 1e-9
+        arrival_s, sums = sums.seconds, sums.with_dwell(_dwell(by, stop, leaves_s), leaves_s)
         visit = Visit(
             stop,
-            distance_m,
-            float(arrivals_s[at]),
-            float(earlies_s[at]),
-            float(lates_s[at]),
-            float(departures_s[at]),
+            max(visit_m - outlook.total_m, 0.0),
+            arrival_s,
+            arrival_s - scale.early * earlier_s,
+            arrival_s + scale.late * later_s,
+            sums.seconds,
+            earlier_s,
+            later_s,
         )
         found.setdefault(route.stops[stop].stop_id, visit)
     return list(found.values())
+
+
+class Sums(NamedTuple):
+    """Of the times on the way to a stop."""
+
+    seconds: float
+    variance_s2: float
+    travel_s: float = 0.0
+
+    def with_travel(self, travel: Expected) -> "Sums":
+        """At the end of a leg."""
+        return Sums(
+            self.seconds + travel.seconds,
+            self.variance_s2 + travel.variance_s2,
+            self.travel_s + travel.seconds,
+        )
+
+    def with_dwell(self, dwell: Expected, leaves_s: float) -> "Sums":
+        """At the departure, for which a vehicle that is early waits; waits make up for delays."""
+        ready_s, variance_s2 = self.seconds + dwell.seconds, self.variance_s2 + dwell.variance_s2
+        if leaves_s <= ready_s:
+            return Sums(ready_s, variance_s2, self.travel_s)
+        spare = (leaves_s - ready_s) / math.sqrt(variance_s2 + FLOOR_S)
+        return Sums(leaves_s, variance_s2 / (1.0 + spare) ** 2, 0.0)
+
+    def widths_s(self, stand: Stand) -> tuple[float, float]:
+        """From p10 to p50 and from p50 to p90."""
+        variance_s2 = self.variance_s2 + (RUN_STD * self.travel_s) ** 2
+        std_s, seconds = math.sqrt(variance_s2) + FLOOR_S, max(self.seconds, SHORT_S)
+        factor = math.exp(NORMAL_P90 * math.sqrt(math.log1p((std_s / seconds) ** 2)))
+        earlier_s, later_s = seconds - seconds / factor, seconds * factor - seconds
+        return (
+            math.hypot(earlier_s, stand.left_s - stand.early_s),
+            math.hypot(later_s, stand.late_s - stand.left_s),
+        )
+
+
+def _dwell(by: Forecasting, stop: int, leaves_s: float) -> Expected:
+    """Where vehicles wait for their time, what was seen is mostly that; late ones board."""
+    planned_s = float(by.legs.route.stop_dwells_s[stop])
+    if math.isfinite(leaves_s):
+        return Expected(min(planned_s, BOARDING_S), 0.0)
+    return by.experience.dwell(by.legs.keys[stop], planned_s)
+
+
+def told_arrivals(
+    route: Route, outlook: Outlook, visits: Sequence[Visit], now_ns: int
+) -> tuple[StopArrival, ...]:
+    """Visits as instants."""
+    return tuple(told_arrival(route, outlook, visit, now_ns) for visit in visits)
 
 
 def told_arrival(route: Route, outlook: Outlook, visit: Visit, now_ns: int) -> StopArrival:
@@ -105,26 +166,10 @@ def told_arrival(route: Route, outlook: Outlook, visit: Visit, now_ns: int) -> S
     )
 
 
-def _seconds_to(
-    route: Route, outlook: Outlook, visits_m: Floats, dwells_s: Floats, earliest_s: Floats
-) -> tuple[Floats, Floats]:
-    """Until each visit and the departure after it: travel, dwells, waits for the time."""
-    places_m = np.concatenate(([max(outlook.total_m, 0.0)], visits_m))
-    travels_s = np.maximum(np.diff(route.time_at(places_m)), 0.0)
-    at_s = outlook.stand.left_s
-    arrivals_s, departures_s = np.empty(len(visits_m)), np.empty(len(visits_m))
-    steps = zip(travels_s.tolist(), dwells_s.tolist(), earliest_s.tolist(), strict=True)
-    for visit, (travel_s, dwell_s, leaves_s) in enumerate(steps):
-        arrivals_s[visit] = at_s + travel_s
-        at_s = departures_s[visit] = max(at_s + travel_s + dwell_s, leaves_s)
-    return arrivals_s, departures_s
-
-
-def _spread_s(route: Route, outlook: Outlook, seconds: Floats) -> Floats:
-    """One sigma of the time to go."""
+def _place_s(route: Route, outlook: Outlook) -> float:
+    """What a place along the route is unsure by, in time."""
     within_m = outlook.total_m % route.length_m if route.loop else outlook.total_m
-    place_s = outlook.distance_std_m / max(route.speed_at(within_m), 1.0)
-    return np.hypot(SPREAD_FLOOR_S + SPREAD_SHARE * seconds, place_s)
+    return outlook.distance_std_m / max(route.speed_at(within_m), 1.0)
 
 
 def instant_ns(outlook: Outlook, now_ns: int, seconds: float) -> int:

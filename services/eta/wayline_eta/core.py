@@ -5,14 +5,17 @@ from typing import ClassVar
 
 import msgspec
 
-from wayline.core import Record, Sleep
+from wayline.core import Record, Sleep, Store
 from wayline.inputs import Tick
-from wayline.messages import Arrivals, GpsFix, Message, Pose
+from wayline.messages import Arrivals, GpsFix, Message, Pose, StopArrival
 from wayline.node import Node
 from wayline.route import Route
 from wayline.tuning import Tuning
-from wayline_eta.arrivals import Outlook, predict_arrivals
+from wayline_eta.arrivals import predict_arrivals, told_arrivals
 from wayline_eta.fix_follower import FixFollower
+from wayline_eta.forecaster import Forecaster
+from wayline_eta.legs import Seen
+from wayline_eta.lessons import Lessons, as_planned
 from wayline_eta.route_follower import RouteFollower
 from wayline_eta.sightings import Sighting, Sightings
 
@@ -22,25 +25,26 @@ SECOND_NS = 1_000_000_000
 class EtaCore:
     """One vehicle's progress and arrivals once a second, from poses and seldom reports.
 
-    Nothing comes before the first match with a route, or without routes.
+    Nothing comes before the first match with a route, or without routes. `lessons` are what all
+    vehicles have learned; this one adds to them.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
     period_ns: ClassVar[int | None] = SECOND_NS
 
-    def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
+    def __init__(self, routes: Sequence[Route], tuning: Tuning, lessons: Lessons) -> None:
         self._sightings = Sightings(tuning)
-        self._on_routes = OnRoutes(routes, tuning, self._sightings)
+        self._on_routes = OnRoutes(routes, tuning, self._sightings, lessons)
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take a pose, a fix or a tick; anything else is not read."""
         if isinstance(message, GpsFix):
             self._sightings.take_fix(message, source)
         elif isinstance(message, Pose):
-            self._on_routes.take(self._sightings.take_pose(message))
+            return self._on_routes.take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
-            self._on_routes.take(self._sightings.pass_time(message.t_ns))
-            return self._on_routes.tell(message.t_ns, message.age_ns)
+            learned = self._on_routes.take(self._sightings.pass_time(message.t_ns))
+            return [*learned, *self._on_routes.tell(message.t_ns, message.age_ns)]
         return ()
 
 
@@ -61,14 +65,16 @@ class ReferenceEtaCore:
         return self._by_fix.follow(message, source) if isinstance(message, GpsFix) else ()
 
 
-def make_eta_core(routes: Sequence[Route], tuning: Tuning) -> EtaCore | ReferenceEtaCore:
+def make_eta_core(
+    routes: Sequence[Route], tuning: Tuning, lessons: Lessons
+) -> EtaCore | ReferenceEtaCore:
     """The core that the tuning's `route_filter` asks for.
 
     They are two, as the reference has no ticks: it answers every row.
     """
     if tuning.route_filter == "avl":
         return ReferenceEtaCore(routes, tuning)
-    return EtaCore(routes, tuning)
+    return EtaCore(routes, tuning, lessons)
 
 
 def assigned_routes(routes: Sequence[Route], route_id: str | None) -> Sequence[Route]:
@@ -76,12 +82,15 @@ def assigned_routes(routes: Sequence[Route], route_id: str | None) -> Sequence[R
     return [route for route in routes if route.route_id == route_id] or routes
 
 
-def eta_node(routes: Sequence[Route], tuning: Tuning) -> Node:
-    """A core on routes with its name.
+def eta_node(
+    routes: Sequence[Route], tuning: Tuning, lessons: Lessons, store: Store | None = None
+) -> Node:
+    """A core on routes with its name and what it keeps its lessons in.
 
     The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
-    return Node("eta", make_eta_core(routes, tuning), timeless=frozenset({GpsFix}))
+    core = make_eta_core(routes, tuning, lessons)
+    return Node("eta", core, store, timeless=frozenset({GpsFix}))
 
 
 class OnRoutes:
@@ -91,59 +100,83 @@ class OnRoutes:
     do not take turns.
     """
 
-    def __init__(self, routes: Sequence[Route], tuning: Tuning, sightings: Sightings) -> None:
+    def __init__(
+        self, routes: Sequence[Route], tuning: Tuning, sightings: Sightings, lessons: Lessons
+    ) -> None:
         self._routes, self._tuning, self._sightings = routes, tuning, sightings
+        self._lessons = lessons
         self._followers = [RouteFollower(route, tuning) for route in routes]
         self._current: RouteFollower | None = None
+        self._forecaster: Forecaster | None = None
+        """Of the current route."""
         self._seen: Sighting | None = None
         """The last one, as long as anything may rest on it."""
         self._is_stale = False
         """Whether it has been told that it is old."""
 
-    def take(self, seen: Sequence[Sighting]) -> None:
-        """Follow what was seen of the vehicle."""
+    def take(self, seen: Sequence[Sighting]) -> list[Record]:
+        """Follow what was seen of the vehicle; what it has taught."""
+        learned: list[Record] = []
         for sighting in seen:
             self._seen, self._is_stale = sighting, False
             if sighting.reported:
-                self._follow(sighting)
+                learned += self._follow(sighting)
+        return learned
 
-    def tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
+    def tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Record | Sleep]:
         """Progress and arrivals at a whole second while the vehicle is seen.
 
         `pose_age_ns` is how old the pose was when it came. Once it is old, arrivals are told once
         more, marked stale, and a last time, empty, when nothing can rest on it any longer.
         """
         seen = self._seen
-        if seen is not None and not seen.reported:
-            self._follow(seen)
+        learned = self._follow(seen) if seen is not None and not seen.reported else []
         if seen is None or self._current is None:
             return [Sleep()]
         pose, current = seen.pose, self._current
         age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
         if age_s <= self._sightings.stale_after_s:
-            return self._fresh(current, pose, t_ns)
+            return [*learned, *self._fresh(current, pose, t_ns)]
         forgotten_after_s = self._sightings.forgotten_after_s
         if age_s > forgotten_after_s:
             self._seen = None
-            return [_arrivals(current.route, None, t_ns, pose.t_ns, stale=True), Sleep()]
+            return [_arrivals(current.route, (), t_ns, pose.t_ns, stale=True), Sleep()]
         forgets_ns = pose.t_ns - pose_age_ns + round(forgotten_after_s * 1e9)
-        return [*self._stale(current, pose, t_ns), Sleep(forgets_ns)]
+        return [*learned, *self._stale(current, pose, t_ns), Sleep(forgets_ns)]
 
-    def _fresh(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message | Sleep]:
+    def _fresh(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message]:
         progress = current.progress(t_ns)
-        arrivals = _arrivals(current.route, current.outlook(t_ns), t_ns, pose.t_ns, stale=False)
+        arrivals = _arrivals(
+            current.route, self._stops(current, t_ns), t_ns, pose.t_ns, stale=False
+        )
         return [arrivals] if progress is None else [progress, arrivals]
+
+    def _stops(self, current: RouteFollower, t_ns: int) -> tuple[StopArrival, ...]:
+        outlook = current.outlook(t_ns)
+        if outlook is None or self._forecaster is None:
+            return ()
+        return told_arrivals(current.route, outlook, self._forecaster.visits(outlook), t_ns)
 
     def _stale(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message]:
         if self._is_stale:
             return []
         self._is_stale = True
-        return [_arrivals(current.route, current.outlook(t_ns), t_ns, pose.t_ns, stale=True)]
+        return [_arrivals(current.route, self._stops(current, t_ns), t_ns, pose.t_ns, stale=True)]
 
-    def _follow(self, seen: Sighting) -> None:
+    def _follow(self, seen: Sighting) -> list[Record]:
+        """What the vehicle has taught by being where it was seen."""
         lat_deg, lon_deg = seen.pose.lat_deg, seen.pose.lon_deg
         if lat_deg is None or lon_deg is None:
-            return
+            return []
+        self._match(seen, lat_deg, lon_deg)
+        current, forecaster = self._current, self._forecaster
+        if current is None or forecaster is None or not current.on_route:
+            return []
+        place = Seen(seen.pose.t_ns, current.total_m, current.speed_mps)
+        learned = forecaster.observe(place)
+        return [] if learned is None else [learned]
+
+    def _match(self, seen: Sighting, lat_deg: float, lon_deg: float) -> None:
         current = self._current
         if current is not None:
             current.observe(seen.pose, lat_deg, lon_deg, reported=seen.reported)
@@ -158,6 +191,11 @@ class OnRoutes:
 
     def _choose(self, chosen: RouteFollower) -> None:
         """Follow one route; the other routes' followers start afresh when they are next asked."""
+        if self._current is not chosen:
+            route_id = chosen.route.route_id
+            self._forecaster = Forecaster(
+                chosen.route, self._lessons, self._tuning, scope=route_id, plan=route_id
+            )
         self._current = chosen
         self._followers = [
             chosen if chosen.route is route else RouteFollower(route, self._tuning)
@@ -190,8 +228,9 @@ class ByFix:
         forgotten = age_s > self._tuning.eta_forget_after_s
         outlook = None if forgotten else self._follower.outlook()
         stale = age_s > self._tuning.eta_stale_after_s
-        route, known_ns = self._follower.route, self._follower.known_ns
-        return [progress, _arrivals(route, outlook, progress.t_ns, known_ns, stale=stale)]
+        route, known_ns, t_ns = self._follower.route, self._follower.known_ns, progress.t_ns
+        stops = predict_arrivals(as_planned(route), outlook, t_ns) if outlook else ()
+        return [progress, _arrivals(route, stops, t_ns, known_ns, stale=stale)]
 
     def _nearest_route(self, fix: GpsFix) -> Route | None:
         lat_deg, lon_deg = fix.lat_deg, fix.lon_deg
@@ -204,9 +243,13 @@ class ByFix:
 
 
 def _arrivals(
-    route: Route, outlook: Outlook | None, t_ns: int, position_ns: int, *, stale: bool
+    route: Route,
+    stops: tuple[StopArrival, ...],
+    t_ns: int,
+    position_ns: int,
+    *,
+    stale: bool,
 ) -> Arrivals:
-    stops = predict_arrivals(route, outlook, t_ns) if outlook else ()
     return Arrivals(
         t_ns=t_ns, route_id=route.route_id, stale=stale, position_ns=position_ns, stops=stops
     )

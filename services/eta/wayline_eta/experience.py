@@ -114,6 +114,11 @@ class Experience:
         unsure = prior * DWELL_RUNS / (known.weight + DWELL_RUNS)
         return Expected(mean_s, known.variance(prior, DWELL_RUNS) + 0.25 * unsure)
 
+    def known_dwell_s(self, stop: str, least_runs: float) -> float | None:
+        """The mean of the dwells that were seen at a stop; None of too few."""
+        known = self._dwell.get(stop)
+        return known.mean if known is not None and known.weight >= least_runs else None
+
     def _usual(self, leg: str, plan: str, t_ns: int) -> tuple[float, float]:
         """The logarithm of taken over planned, and its variance for one run."""
         day, slot = slot_of(t_ns, self._zone)

@@ -102,6 +102,11 @@ class LegObserver:
         """From which stop (counted over laps) it left, and when."""
 
     @property
+    def stands_at(self) -> int | None:
+        """The stop at which it is; None under way."""
+        return None if self._at is None else self._at[0]
+
+    @property
     def stands_since_ns(self) -> int | None:
         """Since when it has been at the stop where it is; None under way."""
         return self._arrived_ns if self._at is not None else None

@@ -57,6 +57,11 @@ class RouteFollower:
         return self._place.total_m if self._place else 0.0
 
     @property
+    def speed_mps(self) -> float:
+        """Of the last pose; where it told none, from the distance since the one before."""
+        return self._speed_mps
+
+    @property
     def served_m(self) -> float:
         """Stops up to here have been arrived at."""
         return self._visits.served_m

@@ -5,12 +5,15 @@ from typing import ClassVar
 
 import msgspec
 
-from wayline.core import Record, Sleep
+from wayline.core import Record, Sleep, Store
 from wayline.inputs import Tick
 from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArrival
 from wayline.node import Node
-from wayline.timetable.runs import Run, Runs
+from wayline.timetable.runs import PatternPlace, Run, Runs
 from wayline.tuning import Tuning
+from wayline_eta.forecaster import Forecaster
+from wayline_eta.legs import Seen
+from wayline_eta.lessons import Lessons
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
 from wayline_eta.trip_choice import TripChoice
@@ -19,24 +22,38 @@ from wayline_eta.trip_fit import Followed
 SECOND_NS = 1_000_000_000
 
 
-def timetable_node(runs: Runs, tuning: Tuning, assignment: str | None) -> Node:
+def timetable_node(
+    runs: Runs,
+    tuning: Tuning,
+    assignment: str | None,
+    lessons: Lessons,
+    store: Store | None = None,
+) -> Node:
     """A core with its name; `assignment` is the trip or block that is known without reports.
 
     The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
-    return Node("eta", TimetableEtaCore(runs, tuning, assignment), timeless=frozenset({GpsFix}))
+    core = TimetableEtaCore(runs, tuning, lessons, assignment)
+    return Node("eta", core, store, timeless=frozenset({GpsFix}))
 
 
 class TimetableEtaCore:
     """One vehicle's trip, progress and arrivals once a second, from poses and reports.
 
-    Nothing comes while no trip is known or found.
+    Nothing comes while no trip is known or found. `lessons` are what all vehicles have learned;
+    this one adds to them.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
     period_ns: ClassVar[int | None] = SECOND_NS
 
-    def __init__(self, runs: Runs, tuning: Tuning, assignment: str | None = None) -> None:
+    def __init__(
+        self, runs: Runs, tuning: Tuning, lessons: Lessons, assignment: str | None = None
+    ) -> None:
+        self._lessons = lessons
+        self._forecaster: Forecaster | None = None
+        """Of the run that the vehicle was last seen on."""
+        self._forecast_of: tuple[PatternPlace, str, int] | None = None
         self._choice = TripChoice(runs, tuning)
         self._tuning, self._configured = tuning, assignment
         self._sightings = Sightings(tuning)
@@ -52,19 +69,44 @@ class TimetableEtaCore:
             if message.valid:
                 self._choice.count_fix()
         elif isinstance(message, Pose):
-            self._take(self._sightings.take_pose(message))
+            return self._take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
-            self._take(self._sightings.pass_time(message.t_ns))
-            return self._tell(message.t_ns, message.age_ns)
+            learned = self._take(self._sightings.pass_time(message.t_ns))
+            return [*learned, *self._tell(message.t_ns, message.age_ns)]
         return ()
 
-    def _take(self, seen: Sequence[Sighting]) -> None:
+    def _take(self, seen: Sequence[Sighting]) -> list[Record]:
+        """Follow what was seen of the vehicle; what it has taught."""
+        learned: list[Record] = []
         for pose, reported in seen:
             if pose.lat_deg is None or pose.lon_deg is None:
                 continue
             self._choice.assign(self._configured, pose.t_ns)
             self._pose, self._is_stale = pose, False
             self._choice.observe(pose, pose.lat_deg, pose.lon_deg, reported=reported)
+            learned += self._learned(pose.t_ns)
+        return learned
+
+    def _learned(self, t_ns: int) -> list[Record]:
+        """What the vehicle has taught by where it is on its trip, once that is certain."""
+        current = self._choice.current
+        if current is None or not self._choice.is_certain or not current.follower.on_route:
+            return []
+        follower = current.follower
+        place = Seen(t_ns, follower.total_m, follower.speed_mps)
+        learned = self._forecaster_of(current.run).observe(place)
+        return [] if learned is None else [learned]
+
+    def _forecaster_of(self, run: Run) -> Forecaster:
+        of = run.pattern_place, run.trip.trip_id, run.starts_ns
+        if self._forecaster is None or self._forecast_of != of:
+            scope = f"feed {run.pattern_place[0]}"
+            plan = f"{scope}|{run.pattern.route_id}"
+            self._forecast_of = of
+            self._forecaster = Forecaster(
+                run.trip_route.route, self._lessons, self._tuning, scope=scope, plan=plan
+            )
+        return self._forecaster
 
     def _tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
         pose, current = self._pose, self._choice.current
@@ -113,7 +155,8 @@ class TimetableEtaCore:
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
             waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
-        told = of_run(run, outlook, t_ns)
+        visits = self._forecaster_of(run).visits(outlook, run.leaves_ns)
+        told = of_run(run, outlook, visits, t_ns)
         if not self._choice.is_certain:
             return before_the_fork(told, self._choice.rivals)
         return (*told, *of_next_run(self._choice.next_run, told))
