@@ -1,7 +1,8 @@
 """Pure: when a vehicle reaches the stops ahead: the times of legs and dwells, added up.
 
-The times are medians of logarithmic normal distributions, and so is their sum taken to be, with
-the sum of their variances (Fenton 1960). The legs of one run are slow or quick together.
+The times are means and variances of logarithmic normal distributions; their sum is taken to be
+such a one too (Fenton 1960). What is told is the mean, which is the plan's where nobody has driven
+yet. The legs of one run are slow or quick together.
 """
 
 import math
@@ -85,10 +86,11 @@ def predict_visits(
             sums = sums.with_travel(by.rest(stop, outlook.total_m, visit_m, outlook.t_ns))
         else:
             sums = sums.with_travel(by.travel(stop, outlook.t_ns, sums.seconds))
+        arrival_s = sums.seconds
         earlier_s, later_s = sums.widths_s(stand)
-        scale = by.ranges.scale(sums.seconds)
+        scale = by.ranges.scale(arrival_s)
         leaves_s = -math.inf if leaves_ns is None else (leaves_ns[stop] - outlook.t_ns) * 1e-9
-        arrival_s, sums = sums.seconds, sums.with_dwell(_dwell(by, stop, leaves_s), leaves_s)
+        sums = sums.with_dwell(_dwell(by, stop, leaves_s), leaves_s)
         visit = Visit(
             stop,
             max(visit_m - outlook.total_m, 0.0),
@@ -104,7 +106,7 @@ def predict_visits(
 
 
 class Sums(NamedTuple):
-    """Of the times on the way to a stop."""
+    """Of the times on the way to a stop: means and variances."""
 
     seconds: float
     variance_s2: float
@@ -127,14 +129,14 @@ class Sums(NamedTuple):
         return Sums(leaves_s, variance_s2 / (1.0 + spare) ** 2, 0.0)
 
     def widths_s(self, stand: Stand) -> tuple[float, float]:
-        """From p10 to p50 and from p50 to p90."""
+        """How far p10 is below what is told, and p90 above it."""
         variance_s2 = self.variance_s2 + (RUN_STD * self.travel_s) ** 2
-        std_s, seconds = math.sqrt(variance_s2) + FLOOR_S, max(self.seconds, SHORT_S)
-        factor = math.exp(NORMAL_P90 * math.sqrt(math.log1p((std_s / seconds) ** 2)))
-        earlier_s, later_s = seconds - seconds / factor, seconds * factor - seconds
+        seconds = max(self.seconds, SHORT_S)
+        square = (math.sqrt(variance_s2) + FLOOR_S) ** 2 / seconds**2
+        factor = math.exp(NORMAL_P90 * math.sqrt(math.log1p(square)))
         return (
-            math.hypot(earlier_s, stand.left_s - stand.early_s),
-            math.hypot(later_s, stand.late_s - stand.left_s),
+            math.hypot(seconds - seconds / factor, stand.left_s - stand.early_s),
+            math.hypot(seconds * factor - seconds, stand.late_s - stand.left_s),
         )
 
 

@@ -15,7 +15,7 @@ from wayline_eta.arrivals import predict_arrivals, told_arrivals
 from wayline_eta.fix_follower import FixFollower
 from wayline_eta.forecaster import Forecaster
 from wayline_eta.legs import Seen
-from wayline_eta.lessons import Lessons, as_planned
+from wayline_eta.lessons import Lessons, as_planned, lessons_by
 from wayline_eta.route_follower import RouteFollower
 from wayline_eta.sightings import Sighting, Sightings
 
@@ -26,15 +26,17 @@ class EtaCore:
     """One vehicle's progress and arrivals once a second, from poses and seldom reports.
 
     Nothing comes before the first match with a route, or without routes. `lessons` are what all
-    vehicles have learned; this one adds to them.
+    vehicles have learned, this one adds to them; without, it learns for itself.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
     period_ns: ClassVar[int | None] = SECOND_NS
 
-    def __init__(self, routes: Sequence[Route], tuning: Tuning, lessons: Lessons) -> None:
+    def __init__(
+        self, routes: Sequence[Route], tuning: Tuning, lessons: Lessons | None = None
+    ) -> None:
         self._sightings = Sightings(tuning)
-        self._on_routes = OnRoutes(routes, tuning, self._sightings, lessons)
+        self._on_routes = OnRoutes(routes, tuning, self._sightings, lessons or lessons_by(()))
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take a pose, a fix or a tick; anything else is not read."""
@@ -66,7 +68,7 @@ class ReferenceEtaCore:
 
 
 def make_eta_core(
-    routes: Sequence[Route], tuning: Tuning, lessons: Lessons
+    routes: Sequence[Route], tuning: Tuning, lessons: Lessons | None = None
 ) -> EtaCore | ReferenceEtaCore:
     """The core that the tuning's `route_filter` asks for.
 
@@ -83,7 +85,10 @@ def assigned_routes(routes: Sequence[Route], route_id: str | None) -> Sequence[R
 
 
 def eta_node(
-    routes: Sequence[Route], tuning: Tuning, lessons: Lessons, store: Store | None = None
+    routes: Sequence[Route],
+    tuning: Tuning,
+    lessons: Lessons | None = None,
+    store: Store | None = None,
 ) -> Node:
     """A core on routes with its name and what it keeps its lessons in.
 

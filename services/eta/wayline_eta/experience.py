@@ -16,9 +16,9 @@ from wayline_eta.forgetful import Forgetful
 from wayline_eta.legs import Leg
 from wayline_eta.records import Taken
 
-HELD = {"slot": 4.0, "day": 3.0, "leg": 1.0}
+HELD = {"slot": 4.0, "day": 3.0, "leg": 0.7}
 """What the level above is worth to each, in observations."""
-PLAN_HELD = 3.0
+PLAN_HELD = 1.5
 """What a plan is worth against all legs' mean; a timetable is worth more than a few legs."""
 TIMETABLE_HELD = 60.0
 LEG_STD = 0.15
@@ -40,7 +40,7 @@ DWELL_RUNS = 2.0
 
 
 class Expected(NamedTuple):
-    """A time with its variance."""
+    """The mean of a time, and its variance."""
 
     seconds: float
     variance_s2: float
@@ -97,14 +97,16 @@ class Experience:
             self._travel[key] = self._travel[key].with_value(ratio)
 
     def travel(self, leg: Leg, plan: str, t_ns: int, ahead_s: float = 0.0) -> Expected:
-        """Of a leg that is begun `ahead_s` from an instant; the median, and the variance of it."""
+        """Of a leg that is begun `ahead_s` from an instant."""
         begun_ns = t_ns + round(ahead_s * 1e9)
         usual, variance = self._usual(leg.key, plan, begun_ns)
         if (now := self._now.get(leg.key)) is not None:
             faded = now.at(begun_ns)
             usual, variance = usual + faded.mean, variance + faded.variance
-        seconds = leg.planned_s * math.exp(usual)
-        return Expected(seconds, variance * seconds**2)
+        # of a leg that was driven the mean is above the median; a plan tells means
+        skewed = 0.5 * self._known(leg.key).variance(0.0, PRIOR_RUNS)
+        mean_s = leg.planned_s * math.exp(usual + skewed)
+        return Expected(mean_s, mean_s**2 * math.expm1(variance))
 
     def dwell(self, stop: str, planned_s: float) -> Expected:
         """At a stop."""

@@ -13,7 +13,7 @@ from wayline.timetable.runs import PatternPlace, Run, Runs
 from wayline.tuning import Tuning
 from wayline_eta.forecaster import Forecaster
 from wayline_eta.legs import Seen
-from wayline_eta.lessons import Lessons
+from wayline_eta.lessons import Lessons, lessons_by
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
 from wayline_eta.trip_choice import TripChoice
@@ -26,31 +26,35 @@ def timetable_node(
     runs: Runs,
     tuning: Tuning,
     assignment: str | None,
-    lessons: Lessons,
+    lessons: Lessons | None = None,
     store: Store | None = None,
 ) -> Node:
     """A core with its name; `assignment` is the trip or block that is known without reports.
 
     The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
-    core = TimetableEtaCore(runs, tuning, lessons, assignment)
+    core = TimetableEtaCore(runs, tuning, assignment, lessons)
     return Node("eta", core, store, timeless=frozenset({GpsFix}))
 
 
 class TimetableEtaCore:
     """One vehicle's trip, progress and arrivals once a second, from poses and reports.
 
-    Nothing comes while no trip is known or found. `lessons` are what all vehicles have learned;
-    this one adds to them.
+    Nothing comes while no trip is known or found. `lessons` are what all vehicles have learned,
+    this one adds to them; without, it learns for itself.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
     period_ns: ClassVar[int | None] = SECOND_NS
 
     def __init__(
-        self, runs: Runs, tuning: Tuning, lessons: Lessons, assignment: str | None = None
+        self,
+        runs: Runs,
+        tuning: Tuning,
+        assignment: str | None = None,
+        lessons: Lessons | None = None,
     ) -> None:
-        self._lessons = lessons
+        self._lessons = lessons or lessons_by(runs.timetables)
         self._forecaster: Forecaster | None = None
         """Of the run that the vehicle was last seen on."""
         self._forecast_of: tuple[PatternPlace, str, int] | None = None

@@ -83,7 +83,7 @@ class Runs:
     """Every trip of some feeds, by its id, its block and its pattern."""
 
     def __init__(self, timetables: Sequence[Timetable]) -> None:
-        self._feeds = tuple(timetables)
+        self.timetables = self._feeds = tuple(timetables)
         self._zones = [ZoneInfo(feed.timezone) for feed in self._feeds]
         self._lines: dict[PatternPlace, PatternRoutes | None] = {}
         self._routes: dict[tuple[PatternPlace, int], TripRoute] = {}

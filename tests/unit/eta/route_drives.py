@@ -106,7 +106,7 @@ def follow(core: EtaCore, drive: Sequence[tuple[Pose, float]]) -> list[Told]:
     """Feed poses, each followed by the tick of its instant."""
     told = []
     for pose, true_m in drive:
-        assert core.handle(pose, "fusion") == ()
+        assert not core.handle(pose, "fusion")
         outputs = core.handle(Tick(pose.t_ns), "clock")
         answers = [output for output in outputs if isinstance(output, Message)]
         if not answers:

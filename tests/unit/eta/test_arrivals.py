@@ -6,6 +6,7 @@ from unit.eta.route_drives import SECOND_NS, SQUARE, START_NS, Metres, route_of
 from wayline.messages import StopArrival
 from wayline.route import Route
 from wayline_eta.arrivals import Outlook, predict_arrivals
+from wayline_eta.lessons import as_planned
 from wayline_eta.stands import Stand
 
 LINE: list[Metres] = [(0, 0), (1000, 0), (3000, 0)]
@@ -16,7 +17,7 @@ def predicted(
 ) -> list[StopArrival]:
     stand = Stand(dwell_left_s, dwell_left_s, dwell_left_s)
     outlook = Outlook(START_NS, total_m, total_m, std_m, stand)
-    return list(predict_arrivals(route, outlook, START_NS + age_s * SECOND_NS))
+    return list(predict_arrivals(as_planned(route), outlook, START_NS + age_s * SECOND_NS))
 
 
 def seconds(t_ns: int) -> float:
