@@ -15,6 +15,7 @@ from wayline_eta.arrivals import Outlook, predict_arrivals
 from wayline_eta.fix_follower import FixFollower
 from wayline_eta.route_follower import RouteFollower
 from wayline_eta.sightings import Sighting, Sightings
+from wayline_eta.stop_events import StopEvents, of_route
 
 SECOND_NS = 1_000_000_000
 
@@ -40,7 +41,8 @@ class EtaCore:
             self._on_routes.take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
             self._on_routes.take(self._sightings.pass_time(message.t_ns))
-            return self._on_routes.tell(message.t_ns, message.age_ns)
+            told = self._on_routes.tell(message.t_ns, message.age_ns)
+            return [*self._on_routes.events.take(), *told]
         return ()
 
 
@@ -99,6 +101,7 @@ class OnRoutes:
         """The last one, as long as anything may rest on it."""
         self._is_stale = False
         """Whether it has been told that it is old."""
+        self.events = StopEvents()
 
     def take(self, seen: Sequence[Sighting]) -> None:
         """Follow what was seen of the vehicle."""
@@ -141,6 +144,12 @@ class OnRoutes:
         return [_arrivals(current.route, current.outlook(t_ns), t_ns, pose.t_ns, stale=True)]
 
     def _follow(self, seen: Sighting) -> None:
+        self._choose_by(seen)
+        if self._current is not None:
+            route = self._current.route
+            self.events.note(self._current, route.route_id, of_route(route))
+
+    def _choose_by(self, seen: Sighting) -> None:
         lat_deg, lon_deg = seen.pose.lat_deg, seen.pose.lon_deg
         if lat_deg is None or lon_deg is None:
             return

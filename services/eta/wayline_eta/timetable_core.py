@@ -11,10 +11,11 @@ from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArri
 from wayline.node import Node
 from wayline.timetable.runs import Run, Runs
 from wayline.tuning import Tuning
+from wayline_eta import stop_events, trip_arrivals
 from wayline_eta.sightings import Sighting, Sightings
-from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
+from wayline_eta.stop_events import StopEvents
 from wayline_eta.trip_choice import TripChoice
-from wayline_eta.trip_fit import Followed
+from wayline_eta.trip_fit import Followed, is_same
 
 SECOND_NS = 1_000_000_000
 
@@ -40,6 +41,7 @@ class TimetableEtaCore:
         self._choice = TripChoice(runs, tuning)
         self._tuning, self._configured = tuning, assignment
         self._sightings = Sightings(tuning)
+        self._events = StopEvents()
         self._pose: Pose | None = None
         self._is_stale = False
         """Whether it has been told that the pose is old."""
@@ -55,7 +57,8 @@ class TimetableEtaCore:
             self._take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
             self._take(self._sightings.pass_time(message.t_ns))
-            return self._tell(message.t_ns, message.age_ns)
+            told = self._tell(message.t_ns, message.age_ns)
+            return [*self._events.take(), *told]
         return ()
 
     def _take(self, seen: Sequence[Sighting]) -> None:
@@ -64,7 +67,25 @@ class TimetableEtaCore:
                 continue
             self._choice.assign(self._configured, pose.t_ns)
             self._pose, self._is_stale = pose, False
+            before, following = self._choice.current, self._choice.next_run
             self._choice.observe(pose, pose.lat_deg, pose.lon_deg, reported=reported)
+            self._note(before, following, pose.t_ns)
+
+    def _note(self, before: Followed | None, following: Run | None, t_ns: int) -> None:
+        """What happened at stops: to the end of the trip before, then on the present one."""
+        now, known = self._choice.current, self._choice.is_certain
+        if before is not None:
+            self._note_of(before, known=known)
+        if now is None or (before is not None and is_same(now.run, before.run)):
+            return
+        if following is not None and is_same(now.run, following):
+            self._events.finish(t_ns)
+        self._note_of(now, known=known)
+
+    def _note_of(self, followed: Followed, *, known: bool) -> None:
+        run = followed.run
+        key = (run.pattern_place, run.trip.trip_id, run.starts_ns)
+        self._events.note(followed.follower, key, stop_events.of_run(run), known=known)
 
     def _tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
         pose, current = self._pose, self._choice.current
@@ -113,10 +134,10 @@ class TimetableEtaCore:
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
             waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
-        told = of_run(run, outlook, t_ns)
+        told = trip_arrivals.of_run(run, outlook, t_ns)
         if not self._choice.is_certain:
-            return before_the_fork(told, self._choice.rivals)
-        return (*told, *of_next_run(self._choice.next_run, told))
+            return trip_arrivals.before_the_fork(told, self._choice.rivals)
+        return (*told, *trip_arrivals.of_next_run(self._choice.next_run, told))
 
     def _arrivals(
         self,
