@@ -43,6 +43,10 @@ STAND_S = 8.0
 NEAR_STOP_M = 20.0
 PLACE_STD_M = 5.0
 """Lines, stops and antennas are off by so much besides a report's own error."""
+TERMINAL_S = 60.0
+"""Where an open route begins vehicles wait, whether or not that is their time."""
+FOR_GOOD_S = 1e6
+"""Where an open route ends they stay."""
 OVERDUE_SHARE = 0.3
 """At a stop, where a dwell is over: so much of such a stand."""
 CONTRADICTED = 0.002
@@ -154,6 +158,8 @@ class AlongFilter:
         dwells_s = STAND_S * np.ones(POINTS)
         if stop:
             dwells_s = np.maximum(self._motion.dwells_s[stop[1]] + points.extras_s, 2.0)
+        if stop and stop[0] <= self._motion.start_m:
+            dwells_s = np.maximum(dwells_s, TERMINAL_S)
         stood_s = dwells_s * self._even()
         return points._replace(
             totals_m=np.where(anew, totals_m, points.totals_m),
@@ -178,9 +184,12 @@ class AlongFilter:
         usual_s = np.where(at_stop, self._dwells_s(which, points.extras_s), 0.0)
         dwells_s = usual_s + DWELL_STD_S * self._normal()
         over_s = np.maximum(points.stood_s - usual_s - DWELL_STD_S, 0.0)
-        tail_s = (STAND_S + over_s) * (self._even() ** (-1.0 / TAIL) - 1.0)
+        at_start = at_stop & (points.totals_m <= self._motion.start_m)
+        tail_s = (np.where(at_start, TERMINAL_S, STAND_S) + over_s) * (
+            self._even() ** (-1.0 / TAIL) - 1.0
+        )
         rest_s = dwells_s - points.stood_s
-        tail_s = np.where(at_stop, OVERDUE_SHARE, 1.0) * tail_s
+        tail_s = np.where(at_stop & ~at_start, OVERDUE_SHARE, 1.0) * tail_s
         stands_s = np.where(at_stop & (rest_s > 0.0), rest_s, tail_s)
         waits_s = np.where(at_stop, self._waits_s(which, np.full(POINTS, float(t_ns))), 0.0)
         return np.maximum(stands_s, waits_s)
@@ -217,6 +226,7 @@ class AlongFilter:
             leg_paces = np.where(comes, self._leg_paces(), leg_paces)
             budget_s = np.where(comes, budget_s - legs_s, 0.0)
             dwells_s = np.maximum(dwells_s, self._waits_s(which, to_ns - budget_s * 1e9))
+            dwells_s = np.where(stops_m >= self._motion.end_m, FOR_GOOD_S, dwells_s)
             left_s = np.where(comes, np.maximum(dwells_s, 0.0), left_s)
         return points._replace(
             totals_m=totals_m, leg_paces=leg_paces, left_s=left_s, stood_s=stood_s

@@ -7,17 +7,18 @@ import msgspec
 
 from wayline.core import Record, Sleep, Store
 from wayline.inputs import Tick
-from wayline.messages import Arrivals, GpsFix, Message, Pose, StopArrival
+from wayline.messages import Arrivals, GpsFix, Message, Pose, StopArrival, StopEvent
 from wayline.node import Node
 from wayline.route import Route
 from wayline.tuning import Tuning
 from wayline_eta.arrivals import predict_arrivals, told_arrivals
 from wayline_eta.fix_follower import FixFollower
 from wayline_eta.forecaster import Forecaster
-from wayline_eta.legs import Seen
 from wayline_eta.lessons import Lessons, as_planned, lessons_by
+from wayline_eta.records import Learned
 from wayline_eta.route_follower import RouteFollower
 from wayline_eta.sightings import Sighting, Sightings
+from wayline_eta.stop_events import StopEvents, of_route
 
 SECOND_NS = 1_000_000_000
 
@@ -43,10 +44,12 @@ class EtaCore:
         if isinstance(message, GpsFix):
             self._sightings.take_fix(message, source)
         elif isinstance(message, Pose):
-            return self._on_routes.take(self._sightings.take_pose(message))
+            self._on_routes.take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
-            learned = self._on_routes.take(self._sightings.pass_time(message.t_ns))
-            return [*learned, *self._on_routes.tell(message.t_ns, message.age_ns)]
+            self._on_routes.take(self._sightings.pass_time(message.t_ns))
+            told = self._on_routes.tell(message.t_ns, message.age_ns)
+            happened = self._on_routes.events.take()
+            return [*happened, *self._on_routes.learn(happened), *told]
         return ()
 
 
@@ -90,7 +93,7 @@ def eta_node(
     lessons: Lessons | None = None,
     store: Store | None = None,
 ) -> Node:
-    """A core on routes with its name and what it keeps its lessons in.
+    """A core on routes with its name, and what keeps its lessons.
 
     The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
@@ -118,42 +121,48 @@ class OnRoutes:
         """The last one, as long as anything may rest on it."""
         self._is_stale = False
         """Whether it has been told that it is old."""
+        self.events = StopEvents()
 
-    def take(self, seen: Sequence[Sighting]) -> list[Record]:
-        """Follow what was seen of the vehicle; what it has taught."""
-        learned: list[Record] = []
+    def take(self, seen: Sequence[Sighting]) -> None:
+        """Follow what was seen of the vehicle."""
         for sighting in seen:
             self._seen, self._is_stale = sighting, False
             if sighting.reported:
-                learned += self._follow(sighting)
-        return learned
+                self._follow(sighting)
 
-    def tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Record | Sleep]:
+    def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
+        """What the vehicle has taught by what it did at the stops of its route."""
+        if self._current is None or self._forecaster is None:
+            return []
+        route_id = self._current.route.route_id
+        return self._forecaster.learn([each for each in happened if each.route_id == route_id])
+
+    def tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
         """Progress and arrivals at a whole second while the vehicle is seen.
 
         `pose_age_ns` is how old the pose was when it came. Once it is old, arrivals are told once
         more, marked stale, and a last time, empty, when nothing can rest on it any longer.
         """
         seen = self._seen
-        learned = self._follow(seen) if seen is not None and not seen.reported else []
+        if seen is not None and not seen.reported:
+            self._follow(seen)
         if seen is None or self._current is None:
             return [Sleep()]
         pose, current = seen.pose, self._current
         age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
         if age_s <= self._sightings.stale_after_s:
-            return [*learned, *self._fresh(current, pose, t_ns)]
+            return self._fresh(current, pose, t_ns)
         forgotten_after_s = self._sightings.forgotten_after_s
         if age_s > forgotten_after_s:
             self._seen = None
             return [_arrivals(current.route, (), t_ns, pose.t_ns, stale=True), Sleep()]
         forgets_ns = pose.t_ns - pose_age_ns + round(forgotten_after_s * 1e9)
-        return [*learned, *self._stale(current, pose, t_ns), Sleep(forgets_ns)]
+        return [*self._stale(current, pose, t_ns), Sleep(forgets_ns)]
 
-    def _fresh(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message]:
+    def _fresh(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message | Sleep]:
         progress = current.progress(t_ns)
-        arrivals = _arrivals(
-            current.route, self._stops(current, t_ns), t_ns, pose.t_ns, stale=False
-        )
+        stops = self._stops(current, t_ns)
+        arrivals = _arrivals(current.route, stops, t_ns, pose.t_ns, stale=False)
         return [arrivals] if progress is None else [progress, arrivals]
 
     def _stops(self, current: RouteFollower, t_ns: int) -> tuple[StopArrival, ...]:
@@ -168,20 +177,16 @@ class OnRoutes:
         self._is_stale = True
         return [_arrivals(current.route, self._stops(current, t_ns), t_ns, pose.t_ns, stale=True)]
 
-    def _follow(self, seen: Sighting) -> list[Record]:
-        """What the vehicle has taught by being where it was seen."""
+    def _follow(self, seen: Sighting) -> None:
+        self._choose_by(seen)
+        if self._current is not None:
+            route = self._current.route
+            self.events.note(self._current, route.route_id, of_route(route))
+
+    def _choose_by(self, seen: Sighting) -> None:
         lat_deg, lon_deg = seen.pose.lat_deg, seen.pose.lon_deg
         if lat_deg is None or lon_deg is None:
-            return []
-        self._match(seen, lat_deg, lon_deg)
-        current, forecaster = self._current, self._forecaster
-        if current is None or forecaster is None or not current.on_route:
-            return []
-        place = Seen(seen.pose.t_ns, current.total_m, current.speed_mps)
-        learned = forecaster.observe(place)
-        return [] if learned is None else [learned]
-
-    def _match(self, seen: Sighting, lat_deg: float, lon_deg: float) -> None:
+            return
         current = self._current
         if current is not None:
             current.observe(seen.pose, lat_deg, lon_deg, reported=seen.reported)
@@ -197,9 +202,13 @@ class OnRoutes:
     def _choose(self, chosen: RouteFollower) -> None:
         """Follow one route; the other routes' followers start afresh when they are next asked."""
         if self._current is not chosen:
-            route_id = chosen.route.route_id
+            route = chosen.route
             self._forecaster = Forecaster(
-                chosen.route, self._lessons, self._tuning, scope=route_id, plan=route_id
+                route,
+                self._lessons,
+                scope=route.route_id,
+                plan=route.route_id,
+                sequences=range(1, len(route.stops) + 1),
             )
         self._current = chosen
         self._followers = [

@@ -18,6 +18,8 @@ Indices = NDArray[np.intp]
 UNTOLD_DWELL_S = 20.0
 UNTOLD_SHARE = 1.0 / 3.0
 """A stop without a planned dwell takes so much of the running time to it, the lesser of the two."""
+ENDS_WITHIN_M = 50.0
+"""A line that goes on no farther behind its last stop ends there."""
 MINUTE_S = 60.0
 SMOOTH_S = 300.0
 """Running times in whole minutes say little of one leg: so much of the plan around it counts."""
@@ -35,6 +37,19 @@ class ExpectedMotion:
         if leaves_ns is None:
             leaves_ns = np.full(len(route.stops), -np.inf)
         self.stops_m, self._planned_s, self.leaves_ns = _once(route, leaves_ns)
+
+    @property
+    def start_m(self) -> float:
+        """Where the first stop of an open route is; before everything where there is none."""
+        return -np.inf if self._route.loop or not len(self.stops_m) else float(self.stops_m[0])
+
+    @property
+    def end_m(self) -> float:
+        """Where the last stop of an open route is that ends there; else beyond everything."""
+        if self._route.loop or not len(self.stops_m):
+            return np.inf
+        last_m = float(self.stops_m[-1])
+        return last_m if last_m >= self._route.length_m - ENDS_WITHIN_M else np.inf
 
     def driven_s(self, totals_m: Floats) -> Floats:
         """Seconds of driving from the start to distances, at the planned speeds, without dwells."""

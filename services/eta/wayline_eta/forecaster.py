@@ -1,34 +1,30 @@
 """Pure: forecasts one vehicle's arrivals on one route, and learns from how they come."""
 
+from collections.abc import Sequence
+
+from wayline.messages import StopEvent
 from wayline.route import Route
-from wayline.tuning import Tuning
+from wayline_eta import leg_times
 from wayline_eta.arrivals import Floats, Outlook, Visit, predict_visits
 from wayline_eta.forecasts import Forecast, Forecasts
-from wayline_eta.legs import Driven, LegObserver, Legs, Seen
+from wayline_eta.leg_times import LegTimes
+from wayline_eta.legs import Legs
 from wayline_eta.lessons import Forecasting, Lessons
 from wayline_eta.records import Came, Learned, Taken
 
-GAP_S = 150.0
-"""A vehicle that was not seen for longer may have been anywhere."""
-
 
 class Forecaster:
-    """Of one vehicle, as long as it follows one route (a timetable's run of one trip).
+    """Of one vehicle, as long as it follows one route or runs one trip.
 
-    `scope` names whose stop ids the route has, `plan` whose times. `waits` are the stops that a
-    vehicle leaves by its timetable: how long it stands there teaches nothing.
+    `scope` names whose stop ids the route has, `plan` whose times, `sequences` the stops in stop
+    events.
     """
 
     def __init__(
-        self, route: Route, lessons: Lessons, tuning: Tuning, *, scope: str, plan: str
+        self, route: Route, lessons: Lessons, *, scope: str, plan: str, sequences: Sequence[int]
     ) -> None:
         self._legs, self._lessons, self._plan = Legs(route, scope), lessons, plan
-        self._observer = LegObserver(
-            self._legs,
-            radius_m=tuning.stop_radius_m,
-            standing_mps=tuning.eta_standing_mps,
-            gap_s=GAP_S,
-        )
+        self._times = LegTimes(self._legs, list(sequences))
         self._forecasts = Forecasts()
 
     def visits(self, outlook: Outlook, leaves_ns: Floats | None = None) -> list[Visit]:
@@ -45,28 +41,27 @@ class Forecaster:
                 self._forecasts.make(visit.stop, forecast)
         return visits
 
-    def observe(self, seen: Seen) -> Learned | None:
-        """Take the vehicle's next place; what it has taught, once it has left a stop."""
-        driven = self._observer.observe(seen)
-        if driven is None:
-            return None
-        learned = self._learned(driven)
-        self._lessons.learn(learned)
+    def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
+        """Take what the vehicle did at stops; what that has taught."""
+        learned = []
+        for event in happened:
+            taken = self._times.observe(event)
+            if taken is not None:
+                learned.append(self._learned(taken))
+                self._lessons.learn(learned[-1])
         return learned
 
     def _by(self, t_ns: int) -> Forecasting:
-        lessons, observer = self._lessons, self._observer
-        since_ns = observer.stands_since_ns
+        lessons = self._lessons
         return Forecasting(
             self._legs,
             self._plan,
             lessons.experience,
             lessons.ranges_of(self._plan),
-            observer.stands_at,
-            0.0 if since_ns is None else max(t_ns - since_ns, 0) * 1e-9,
+            self._times.stands(t_ns),
         )
 
-    def _learned(self, driven: Driven) -> Learned:
+    def _learned(self, driven: leg_times.Taken) -> Learned:
         leg, stop = driven.leg, self._legs.keys[driven.stop]
         taken = Taken(
             t_ns=driven.arrived_ns,

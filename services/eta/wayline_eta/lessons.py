@@ -10,7 +10,7 @@ import numpy as np
 from wayline.route import Route
 from wayline.timetable.model import Timetable
 from wayline_eta.experience import Expected, Experience
-from wayline_eta.legs import Leg, Legs
+from wayline_eta.legs import SHORTEST_S, Leg, Legs
 from wayline_eta.ranges import Ranges
 from wayline_eta.records import Came, Learned, Taken
 from wayline_eta.stands import Stand, goes_on
@@ -61,9 +61,8 @@ class Forecasting(NamedTuple):
     """Whose times the legs' are: a route, or a line of a timetable."""
     experience: Experience
     ranges: Ranges
-    stands_at: int | None = None
-    """The stop at which the vehicle stands."""
-    stood_s: float = 0.0
+    stands: tuple[int, float] | None = None
+    """The stop at which the vehicle stands, and for how long, in seconds."""
 
     def travel(self, stop: int, t_ns: int, ahead_s: float) -> Expected:
         """Of the whole leg to a stop, begun so long after an instant."""
@@ -76,19 +75,20 @@ class Forecasting(NamedTuple):
         """Of the leg under way to a stop, by the share of its planned time still to go."""
         ends_s = self.legs.route.time_at(np.array([max(here_m, 0.0), stop_m]))
         planned_s = max(float(ends_s[1] - ends_s[0]), 0.0)
-        leg = self.legs.to(stop) or Leg("", 0.0, stop_m, max(planned_s, 1.0))
+        leg = self.legs.to(stop) or Leg("", max(planned_s, SHORTEST_S))
         whole = self.experience.travel(leg, self.plan, t_ns)
         share = min(planned_s / leg.planned_s, 1.0)
         return Expected(whole.seconds * share, whole.variance_s2 * share)
 
     def stand(self, outlook: Standing) -> Stand:
         """How long the vehicle will still stand, by what others have stood at its stop."""
-        if self.stands_at is None:
+        if self.stands is None:
             return outlook.stand
-        dwell_s = self.experience.known_dwell_s(self.legs.keys[self.stands_at], KNOWN_RUNS)
+        stop, stood_s = self.stands
+        dwell_s = self.experience.known_dwell_s(self.legs.keys[stop], KNOWN_RUNS)
         if dwell_s is None:
             return outlook.stand
-        return goes_on(max(self.stood_s - dwell_s, 0.0)).at_least(max(dwell_s - self.stood_s, 0.0))
+        return goes_on(max(stood_s - dwell_s, 0.0)).at_least(max(dwell_s - stood_s, 0.0))
 
 
 def as_planned(route: Route) -> Forecasting:

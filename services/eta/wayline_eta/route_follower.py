@@ -11,6 +11,7 @@ from wayline_eta.arrivals import Outlook
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.place_tracker import Place, PlaceTracker, travelled_between_m
 from wayline_eta.presence import Presence
+from wayline_eta.stop_log import Seen
 from wayline_eta.stop_visits import StopVisits
 
 Floats = NDArray[np.float64]
@@ -57,11 +58,6 @@ class RouteFollower:
         return self._place.total_m if self._place else 0.0
 
     @property
-    def speed_mps(self) -> float:
-        """Of the last pose; where it told none, from the distance since the one before."""
-        return self._speed_mps
-
-    @property
     def served_m(self) -> float:
         """Stops up to here have been arrived at."""
         return self._visits.served_m
@@ -75,6 +71,23 @@ class RouteFollower:
         self._visits.run_as(route, leaves_ns)
         if self._along is not None:
             self._along.run_as(self._motion)
+
+    @property
+    def motion(self) -> ExpectedMotion:
+        """How vehicles are expected to move along it."""
+        return self._motion
+
+    @property
+    def seen(self) -> Seen | None:
+        """Where the vehicle was when it was last seen; None off the route."""
+        if self._pose is None or self._place is None or not self.on_route:
+            return None
+        if self._along is None:
+            stands = abs(self._speed_mps) < self._tuning.eta_standing_mps
+            return Seen(self._pose.t_ns, self._place.total_m, stands, reported=False)
+        along = self._along.at(self._pose.t_ns)
+        stands = along.speed_mps == 0.0
+        return Seen(self._pose.t_ns, along.total_m, stands, reported=True, stood_s=along.stood_s)
 
     @property
     def ended(self) -> bool:

@@ -7,19 +7,22 @@ import msgspec
 
 from wayline.core import Record, Sleep, Store
 from wayline.inputs import Tick
-from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArrival
+from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArrival, StopEvent
 from wayline.node import Node
 from wayline.timetable.runs import PatternPlace, Run, Runs
 from wayline.tuning import Tuning
+from wayline_eta import stop_events, trip_arrivals
 from wayline_eta.forecaster import Forecaster
-from wayline_eta.legs import Seen
 from wayline_eta.lessons import Lessons, lessons_by
+from wayline_eta.records import Learned
 from wayline_eta.sightings import Sighting, Sightings
-from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
+from wayline_eta.stop_events import StopEvents
 from wayline_eta.trip_choice import TripChoice
-from wayline_eta.trip_fit import Followed
+from wayline_eta.trip_fit import Followed, is_same
 
 SECOND_NS = 1_000_000_000
+
+RunKey = tuple[PatternPlace, str, int]
 
 
 def timetable_node(
@@ -56,11 +59,12 @@ class TimetableEtaCore:
     ) -> None:
         self._lessons = lessons or lessons_by(runs.timetables)
         self._forecaster: Forecaster | None = None
-        """Of the run that the vehicle was last seen on."""
-        self._forecast_of: tuple[PatternPlace, str, int] | None = None
+        self._forecast_of: RunKey | None = None
+        """The run that it is of."""
         self._choice = TripChoice(runs, tuning)
         self._tuning, self._configured = tuning, assignment
         self._sightings = Sightings(tuning)
+        self._events = StopEvents()
         self._pose: Pose | None = None
         self._is_stale = False
         """Whether it has been told that the pose is old."""
@@ -73,42 +77,65 @@ class TimetableEtaCore:
             if message.valid:
                 self._choice.count_fix()
         elif isinstance(message, Pose):
-            return self._take(self._sightings.take_pose(message))
+            self._take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
-            learned = self._take(self._sightings.pass_time(message.t_ns))
-            return [*learned, *self._tell(message.t_ns, message.age_ns)]
+            self._take(self._sightings.pass_time(message.t_ns))
+            happened = self._events.take()
+            learned = self._learn(happened)
+            return [*happened, *learned, *self._tell(message.t_ns, message.age_ns)]
         return ()
 
-    def _take(self, seen: Sequence[Sighting]) -> list[Record]:
-        """Follow what was seen of the vehicle; what it has taught."""
-        learned: list[Record] = []
+    def _take(self, seen: Sequence[Sighting]) -> None:
         for pose, reported in seen:
             if pose.lat_deg is None or pose.lon_deg is None:
                 continue
             self._choice.assign(self._configured, pose.t_ns)
             self._pose, self._is_stale = pose, False
+            before, following = self._choice.current, self._choice.next_run
             self._choice.observe(pose, pose.lat_deg, pose.lon_deg, reported=reported)
-            learned += self._learned(pose.t_ns)
+            self._note(before, following, pose.t_ns)
+
+    def _note(self, before: Followed | None, following: Run | None, t_ns: int) -> None:
+        """What happened at stops: to the end of the trip before, then on the present one."""
+        now, known = self._choice.current, self._choice.is_certain
+        if before is not None:
+            self._note_of(before, known=known)
+        if now is None or (before is not None and is_same(now.run, before.run)):
+            return
+        if following is not None and is_same(now.run, following):
+            self._events.finish(t_ns)
+        self._note_of(now, known=known)
+
+    def _note_of(self, followed: Followed, *, known: bool) -> None:
+        run = followed.run
+        told = stop_events.of_run(run)
+        self._events.note(followed.follower, _key(run), told, known=known)
+
+    def _learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
+        """What the vehicle has taught by what it did at stops: of the trip before, then of this."""
+        learned: list[Learned] = []
+        for event in happened:
+            current = self._choice.current
+            if current is not None and event.trip_id == current.run.trip.trip_id:
+                learned += self._forecaster_of(current.run).learn([event])
+            elif self._forecaster is not None and self._is_forecast(event):
+                learned += self._forecaster.learn([event])
         return learned
 
-    def _learned(self, t_ns: int) -> list[Record]:
-        """What the vehicle has taught by where it is on its trip, once that is certain."""
-        current = self._choice.current
-        if current is None or not self._choice.is_certain or not current.follower.on_route:
-            return []
-        follower = current.follower
-        place = Seen(t_ns, follower.total_m, follower.speed_mps)
-        learned = self._forecaster_of(current.run).observe(place)
-        return [] if learned is None else [learned]
+    def _is_forecast(self, event: StopEvent) -> bool:
+        """Whether an event is of the trip whose arrivals were forecast last."""
+        return self._forecast_of is not None and event.trip_id == self._forecast_of[1]
 
     def _forecaster_of(self, run: Run) -> Forecaster:
-        of = run.pattern_place, run.trip.trip_id, run.starts_ns
-        if self._forecaster is None or self._forecast_of != of:
+        if self._forecaster is None or self._forecast_of != _key(run):
             scope = f"feed {run.pattern_place[0]}"
-            plan = f"{scope}|{run.pattern.route_id}"
-            self._forecast_of = of
+            self._forecast_of = _key(run)
             self._forecaster = Forecaster(
-                run.trip_route.route, self._lessons, self._tuning, scope=scope, plan=plan
+                run.trip_route.route,
+                self._lessons,
+                scope=scope,
+                plan=f"{scope}|{run.pattern.route_id}",
+                sequences=run.trip_route.sequences,
             )
         return self._forecaster
 
@@ -160,10 +187,10 @@ class TimetableEtaCore:
             waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
         visits = self._forecaster_of(run).visits(outlook, run.leaves_ns)
-        told = of_run(run, outlook, visits, t_ns)
+        told = trip_arrivals.of_run(run, outlook, visits, t_ns)
         if not self._choice.is_certain:
-            return before_the_fork(told, self._choice.rivals)
-        return (*told, *of_next_run(self._choice.next_run, told))
+            return trip_arrivals.before_the_fork(told, self._choice.rivals)
+        return (*told, *trip_arrivals.of_next_run(self._choice.next_run, told))
 
     def _arrivals(
         self,
@@ -182,3 +209,7 @@ class TimetableEtaCore:
             position_ns=position_ns,
             stops=stops,
         )
+
+
+def _key(run: Run) -> RunKey:
+    return run.pattern_place, run.trip.trip_id, run.starts_ns
