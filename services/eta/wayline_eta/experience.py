@@ -16,17 +16,17 @@ from wayline_eta.forgetful import Forgetful
 from wayline_eta.legs import Leg
 from wayline_eta.records import Taken
 
-HELD = {"slot": 4.0, "day": 3.0, "leg": 0.7}
+HELD = {"slot": 4.0, "day": 3.0, "leg": 0.5}
 """What the level above is worth to each, in observations."""
-PLAN_HELD = 1.5
+PLAN_HELD = 1.0
 """What a plan is worth against all legs' mean; a timetable is worth more than a few legs."""
 TIMETABLE_HELD = 60.0
-LEG_STD = 0.15
+LEG_STD = 0.12
 """Of the logarithm from run to run, before runs have told; worth PRIOR_RUNS."""
 PRIOR_RUNS = 4.0
 UNSEEN_STD = 0.25
 """Of a leg that nobody has driven, from all others' mean."""
-PLAN_STD = 0.30
+PLAN_STD = 0.20
 """Of all legs from the plan, before any was driven."""
 TIMETABLE_STD = 0.12
 CONGESTION_STD = 0.10
@@ -35,7 +35,7 @@ RATIO_MAX = 20.0
 """A leg that took so many times its plan is a breakdown or a detour, and so is its inverse."""
 DWELL_MAX_S = 1_200.0
 DWELL_STD_S = 6.0
-DWELL_RUNS = 2.0
+DWELL_RUNS = 1.0
 """A planned dwell is worth so many that were seen."""
 
 

@@ -55,24 +55,25 @@ def test_a_stop_that_the_route_serves_twice_appears_once_with_its_next_arrival()
     assert [a.distance_m for a in predicted(twice, 700.0)] == pytest.approx([800.0], abs=0.1)
 
 
-def test_the_spread_is_that_of_the_published_trials() -> None:
-    """27 s of standard deviation at 219 s from the end, 1.1 s near it (papers/000, table 3)."""
+def test_the_range_of_a_plan_that_nobody_drove_is_wide_far_away_and_narrow_near_by() -> None:
     line: list[Metres] = [(0, 0), (2200, 0)]
     route = route_of(line, stops_m=[2190.0])
     [far] = predicted(route, 0.0)
-    assert seconds(far.late_ns) - seconds(far.arrival_ns) == pytest.approx(1.2816 * 27.2, abs=0.5)
-    assert seconds(far.arrival_ns) - seconds(far.early_ns) == pytest.approx(1.2816 * 27.2, abs=0.5)
+    late_s = seconds(far.late_ns) - seconds(far.arrival_ns)
+    early_s = seconds(far.arrival_ns) - seconds(far.early_ns)
+    assert 0.2 * 219.0 < early_s < late_s < 0.45 * 219.0
     [near] = predicted(route, 2180.0)
-    assert seconds(near.late_ns) - seconds(near.arrival_ns) == pytest.approx(1.2816 * 1.1, abs=0.1)
+    assert seconds(near.late_ns) - seconds(near.arrival_ns) < 5.0
 
 
-def test_an_uncertain_place_widens_the_spread() -> None:
+def test_an_uncertain_place_widens_the_range() -> None:
     route = route_of(LINE, stops_m=[600.0])
     [sure], [unsure] = predicted(route, 100.0), predicted(route, 100.0, std_m=100.0)
     assert sure.arrival_ns == unsure.arrival_ns
-    # 7 s of the plan and 100 m at 10 m/s
-    assert seconds(unsure.late_ns) == pytest.approx(50 + 1.2816 * (7**2 + 10**2) ** 0.5, abs=0.1)
     assert unsure.early_ns < sure.early_ns < sure.late_ns < unsure.late_ns
+    # 100 m at 10 m/s, beside what the plan may be off by
+    plan_s, both_s = (seconds(each.late_ns) - 50.0 for each in (sure, unsure))
+    assert both_s == pytest.approx((plan_s**2 + 12.8**2) ** 0.5, rel=0.15)
 
 
 def test_what_an_old_outlook_puts_into_the_past_is_due_now() -> None:
