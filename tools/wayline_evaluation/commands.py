@@ -184,6 +184,32 @@ def trips_command(
     _tell([trip_table(report)], report, json)
 
 
+@evaluate_app.command("eta")
+def eta_command(
+    drives: Drives,
+    *,
+    route: Annotated[list[Path] | None, typer.Option(help="A route; may be repeated.")] = None,
+    feed: Annotated[list[Path] | None, typer.Option(help="A GTFS feed; may be repeated.")] = None,
+    database: Annotated[
+        str | None, typer.Option(help="URL; each drive builds on what those before have taught.")
+    ] = None,
+    out: Out = None,
+    json: Json = None,
+    jobs: Jobs = 1,
+) -> None:
+    """How good predicted arrivals were, by minutes ahead, against when the vehicle came."""
+    from wayline_evaluation.eta_study import Followed, eta_study
+    from wayline_evaluation.eta_table import eta_table
+    from wayline_evaluation.replays import Options
+
+    check_targets(json, None)
+    with progress() as progressed:
+        options = Options(out=out, jobs=jobs)
+        followed = Followed(tuple(route or ()), tuple(feed or ()), database)
+        report = eta_study(drives, followed, options, progressed)
+    _tell([eta_table(report)], report, json)
+
+
 @evaluate_app.command("slope")
 def slope_command(
     drives: Drives,

@@ -1,0 +1,141 @@
+"""`wayline evaluate eta`: replays drives and scores the arrivals that were told."""
+
+import tempfile
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from wayline.drive_file import load_drive
+from wayline.messages import Arrivals, GpsFix, Pose, Progress, StopEvent
+from wayline.node import Node
+from wayline.replayed_drive import ReplayedDrive
+from wayline.route_file import load_route
+from wayline.timetable.reading import read_timetable
+from wayline_eta.replayed import node
+from wayline_evaluation.eta import CAME, EtaReport, EtaRun, pooled, predictions_of, scored
+from wayline_evaluation.reference import Reference
+from wayline_evaluation.replays import (
+    Options,
+    Progressed,
+    done_by,
+    drive_name,
+    read_topic,
+    truth_of,
+)
+from wayline_replay.replay import replay
+
+SECOND_NS = 1_000_000_000
+TRUTH_STD_M = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """What vehicles follow besides their drives' own routes, and where lessons are kept."""
+
+    routes: tuple[Path, ...] = ()
+    feeds: tuple[Path, ...] = ()
+    database_url: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One drive."""
+
+    folder: Path
+    followed: Followed
+    keep: Path | None
+
+
+def eta_study(
+    folders: Sequence[Path], followed: Followed, options: Options, progressed: Progressed
+) -> EtaReport:
+    """Each drive in its order and all together. Raises InputError.
+
+    With a database each drive builds on what those before have taught; then one is replayed at a
+    time.
+    """
+    jobs = [Job(folder, followed, options.keep(folder)) for folder in folders]
+    at_a_time = options.jobs if followed.database_url is None else 1
+    runs = list(done_by(_run, jobs, at_a_time, progressed))
+    return EtaReport(scores=tuple(map(scored, runs)), pooled=pooled(runs))
+
+
+def _run(job: Job) -> EtaRun:
+    if job.keep is None:
+        with tempfile.TemporaryDirectory(prefix="wayline-evaluate-") as temporary:
+            return _run(Job(job.folder, job.followed, Path(temporary)))
+    followed = job.followed
+    replay(
+        job.folder,
+        job.keep,
+        database_url=followed.database_url,
+        route_paths=followed.routes,
+        feed_paths=followed.feeds,
+    )
+    told = read_topic(job.keep, Arrivals)
+    truth = truth_of(job.folder)
+    if truth is None:
+        events = read_topic(job.keep, StopEvent)
+    else:
+        assigned = [fix for fix in read_topic(job.keep, GpsFix) if fix.assignment]
+        events = list(_events(_eta(job.folder, followed), truth, assigned))
+    on_route = {each.t_ns for each in read_topic(job.keep, Progress) if each.on_route}
+    return EtaRun(
+        drive_name(job.folder),
+        predictions_of(told, events),
+        sum(event.kind in CAME for event in events),
+        sum(each.t_ns in on_route and bool(each.stops) and not each.stale for each in told),
+        len(on_route),
+    )
+
+
+def _eta(folder: Path, followed: Followed) -> Node:
+    """For a receiver that errs by nothing."""
+    drive = load_drive(folder)
+    routes = followed.routes or ((Path(drive.route.path),) if drive.route else ())
+    return node(
+        ReplayedDrive(
+            drive=drive,
+            routes=tuple(load_route(path) for path in routes),
+            timetables=tuple(read_timetable(path) for path in followed.feeds),
+            database_url=None,
+        )
+    )
+
+
+def _events(eta: Node, truth: Reference, assigned: Sequence[GpsFix]) -> Iterator[StopEvent]:
+    """What the vehicle did at stops, by its true way; reports only tell what it runs."""
+    waiting = deque(assigned)
+    for pose in _poses(truth):
+        while waiting and waiting[0].t_ns <= pose.t_ns:
+            told = GpsFix(t_ns=pose.t_ns, valid=False, assignment=waiting.popleft().assignment)
+            yield from _stop_events(eta, told, "gps-ingest")
+        yield from _stop_events(eta, pose, "fusion")
+
+
+def _stop_events(eta: Node, message: Pose | GpsFix, source: str) -> Iterator[StopEvent]:
+    return (each for each in eta.take(message, source) if isinstance(each, StopEvent))
+
+
+def _poses(truth: Reference) -> Iterator[Pose]:
+    """One a second."""
+    seconds = np.arange(np.ceil(truth.times_s[0]), truth.times_s[-1])
+    there = truth.at(seconds)
+    distance_m = 0.0
+    for second, lat_deg, lon_deg, speed_mps in zip(
+        seconds, there.lats_deg, there.lons_deg, there.speeds_mps, strict=True
+    ):
+        distance_m += abs(float(speed_mps))
+        yield Pose(
+            t_ns=round(float(second)) * SECOND_NS,
+            mode="fused",
+            lat_deg=float(lat_deg),
+            lon_deg=float(lon_deg),
+            speed_mps=float(speed_mps),
+            distance_m=distance_m,
+            east_std_m=TRUTH_STD_M,
+            north_std_m=TRUTH_STD_M,
+        )
