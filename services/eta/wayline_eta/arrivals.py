@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wayline.messages import StopArrival
 from wayline.route import Route
+from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.stands import MOVING, Stand
 from wayline_eta.stop_visits import BOARDING_S, next_visits_m
 
@@ -20,6 +21,10 @@ Floats = NDArray[np.float64]
 
 SPREAD_FLOOR_S = 1.0
 SPREAD_SHARE = 0.12
+UNTOLD_STD_S = 12.0
+"""Of what a vehicle stands at a stop, and before lights, where no dwell is planned."""
+UNDER_WAY_M = 30.0
+"""A vehicle so far behind a stop has left it."""
 NORMAL_P90 = 1.281_551_6
 """The 90 % quantile of the standard normal distribution."""
 
@@ -57,10 +62,16 @@ def predict_arrivals(route: Route, outlook: Outlook, now_ns: int) -> tuple[StopA
     )
 
 
-def predict_visits(route: Route, outlook: Outlook, leaves_ns: Floats | None = None) -> list[Visit]:
+def predict_visits(
+    route: Route,
+    outlook: Outlook,
+    leaves_ns: Floats | None = None,
+    motion: ExpectedMotion | None = None,
+) -> list[Visit]:
     """The next visit of every stop still to come, soonest first, each stop once.
 
-    `leaves_ns`, one a stop, is when the vehicle leaves it at the earliest.
+    `leaves_ns`, one a stop, is when the vehicle leaves it at the earliest. With its motion the stop
+    that it is under way to is reached before the dwell that the running time there holds.
     """
     if not route.stops:
         return []
@@ -73,7 +84,12 @@ def predict_visits(route: Route, outlook: Outlook, leaves_ns: Floats | None = No
     dwells_s = route.stop_dwells_s[order]
     dwells_s = np.where(np.isfinite(earliest_s), np.minimum(dwells_s, BOARDING_S), dwells_s)
     arrivals_s, departures_s = _seconds_to(route, outlook, visits_m[order], dwells_s, earliest_s)
-    spreads_s = NORMAL_P90 * _spread_s(route, outlook, arrivals_s)
+    if motion is not None and len(order):
+        arrivals_s[0] -= _untold_dwell_s(motion, outlook, float(visits_m[order[0]]))
+    stds_s = _spread_s(route, outlook, arrivals_s)
+    if motion is not None and motion.is_untold:
+        stds_s = np.hypot(stds_s, UNTOLD_STD_S * np.sqrt(1.0 + np.arange(len(order))))
+    spreads_s = NORMAL_P90 * stds_s
     stand = outlook.stand
     earlies_s = arrivals_s - np.hypot(spreads_s, stand.left_s - stand.early_s)
     lates_s = arrivals_s + np.hypot(spreads_s, stand.late_s - stand.left_s)
@@ -103,6 +119,13 @@ def told_arrival(route: Route, outlook: Outlook, visit: Visit, now_ns: int) -> S
         early_ns=instant_ns(outlook, now_ns, visit.early_s),
         late_ns=instant_ns(outlook, now_ns, visit.late_s),
     )
+
+
+def _untold_dwell_s(motion: ExpectedMotion, outlook: Outlook, visit_m: float) -> float:
+    """Of the running time to the next stop what the vehicle will stand there; 0 before it drives"""
+    if outlook.stand.left_s > 0.0 or motion.stop_near(outlook.total_m, 0.0, UNDER_WAY_M):
+        return 0.0
+    return motion.untold_s(visit_m, outlook.total_m)
 
 
 def _seconds_to(

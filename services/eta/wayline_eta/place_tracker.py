@@ -40,7 +40,7 @@ JUMP_COST = 12.0
 FORGET_COST = 30.0
 EARLIEST_COST = 0.1
 """Lost by the end of the route against its start, so that a tie is a vehicle that sets out."""
-ENDS_COST = 10.0
+ENDS_COST = 12.0
 """Lost by a first place at the end of a circular trip: who is seen there first sets out."""
 ENDS_M = 60.0
 """So near to the end, of a trip that begins as near to it."""

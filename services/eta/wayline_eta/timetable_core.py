@@ -134,7 +134,7 @@ class TimetableEtaCore:
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
             waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
-        told = trip_arrivals.of_run(run, outlook, t_ns)
+        told = trip_arrivals.of_run(run, outlook, t_ns, current.follower.motion)
         if not self._choice.is_certain:
             return trip_arrivals.before_the_fork(told, self._choice.rivals)
         return (*told, *trip_arrivals.of_next_run(self._choice.next_run, told))

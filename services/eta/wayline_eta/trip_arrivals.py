@@ -8,15 +8,18 @@ import msgspec
 from wayline.messages import LIST_MAX, StopArrival
 from wayline.timetable.runs import Run
 from wayline_eta.arrivals import Outlook, instant_ns, predict_visits, told_arrival
+from wayline_eta.expected_motion import ExpectedMotion
 
 SECOND_NS = 1_000_000_000
 
 
-def of_run(run: Run, outlook: Outlook, now_ns: int) -> tuple[StopArrival, ...]:
+def of_run(
+    run: Run, outlook: Outlook, now_ns: int, motion: ExpectedMotion
+) -> tuple[StopArrival, ...]:
     """Predicted arrivals of a run with their scheduled times and the departures that follow."""
     route, plan = run.trip_route.route, run.trip_route.plan
     found = []
-    for visit in predict_visits(route, outlook, run.leaves_ns):
+    for visit in predict_visits(route, outlook, run.leaves_ns, motion):
         scheduled_s = float(plan.arrivals_s[visit.stop])
         found.append(
             msgspec.structs.replace(
