@@ -29,7 +29,8 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     del options
     routes = load_routes(settings)
-    make_node = _make_node(settings, routes)
+    timetables = _timetables(settings)
+    make_node = _make_node(settings, routes, timetables)
     board = EtaBoard()
     return Service(
         NAME,
@@ -40,6 +41,7 @@ def build(settings: Settings, options: Namespace) -> Service:
             board,
             routes,
             settings.http_of(NAME),
+            timetables=timetables,
             healthz=healthz,
             registry=telemetry.registry,
         ),
@@ -51,17 +53,25 @@ def build(settings: Settings, options: Namespace) -> Service:
     )
 
 
-def _make_node(settings: Settings, routes: Sequence[Route]) -> MakeNode:
+def _timetables(settings: Settings) -> list[Timetable]:
+    """The configured ones, with what a user should know of them said."""
+    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
+    names = [each.name for each in settings.assignment] if timetables else []
+    for warning in timetable_warnings(timetables, names):
+        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
+    return timetables
+
+
+def _make_node(
+    settings: Settings, routes: Sequence[Route], timetables: Sequence[Timetable]
+) -> MakeNode:
     """Cores on the configured timetables; without any on the configured routes."""
     tuning = settings.tuning
     named = {each.vehicle_id: each.route_id for each in settings.assignment}
-    if not settings.feeds:
+    if not timetables:
         return lambda vehicle_id, _: eta_node(
             assigned_routes(routes, named.get(vehicle_id)), tuning
         )
-    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
-    for warning in timetable_warnings(timetables, [each.name for each in settings.assignment]):
-        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
     runs = Runs(timetables)
     assigned = {each.vehicle_id: each.name for each in settings.assignment}
 

@@ -118,6 +118,7 @@ def told_arrival(route: Route, outlook: Outlook, visit: Visit, now_ns: int) -> S
         arrival_ns=instant_ns(outlook, now_ns, visit.arrival_s),
         early_ns=instant_ns(outlook, now_ns, visit.early_s),
         late_ns=instant_ns(outlook, now_ns, visit.late_s),
+        confidence="planned",
     )
 
 
