@@ -33,7 +33,7 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     del options
     routes = load_routes(settings)
-    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
+    timetables = _timetables(settings)
     lessons = lessons_by(timetables)
     store = None
     if settings.database_url is not None:
@@ -51,6 +51,7 @@ def build(settings: Settings, options: Namespace) -> Service:
             board,
             routes,
             settings.http_of(NAME),
+            timetables=timetables,
             healthz=healthz,
             registry=telemetry.registry,
         ),
@@ -60,6 +61,15 @@ def build(settings: Settings, options: Namespace) -> Service:
             )
         },
     )
+
+
+def _timetables(settings: Settings) -> list[Timetable]:
+    """The configured ones, with what a user should know of them said."""
+    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
+    names = [each.name for each in settings.assignment] if timetables else []
+    for warning in timetable_warnings(timetables, names):
+        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
+    return timetables
 
 
 def _make_node(
@@ -80,8 +90,6 @@ def _make_node(
         return lambda vehicle_id, _: eta_node(
             assigned_routes(routes, named.get(vehicle_id)), tuning, lessons, kept(vehicle_id)
         )
-    for warning in timetable_warnings(timetables, [each.name for each in settings.assignment]):
-        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
     runs = Runs(timetables)
     assigned = {each.vehicle_id: each.name for each in settings.assignment}
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from wayline.messages import StopArrival
 from wayline.route import Route
+from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.experience import Expected
 from wayline_eta.lessons import Forecasting
 from wayline_eta.stands import MOVING, Stand
@@ -25,6 +26,10 @@ FLOOR_S = 1.0
 RUN_STD = 0.05
 """Of the logarithm of a whole run's time, beside its legs' own."""
 SHORT_S = 1.0
+UNTOLD_STD_S = 12.0
+"""Of what a vehicle stands at a stop, and before lights, where no dwell is planned."""
+UNDER_WAY_M = 30.0
+"""A vehicle so far behind a stop has left it."""
 NORMAL_P90 = 1.281_551_6
 """The 90 % quantile of the standard normal distribution."""
 
@@ -65,11 +70,15 @@ def predict_arrivals(by: Forecasting, outlook: Outlook, now_ns: int) -> tuple[St
 
 
 def predict_visits(
-    by: Forecasting, outlook: Outlook, leaves_ns: Floats | None = None
+    by: Forecasting,
+    outlook: Outlook,
+    leaves_ns: Floats | None = None,
+    motion: ExpectedMotion | None = None,
 ) -> list[Visit]:
     """The next visit of every stop still to come, soonest first, each stop once.
 
-    `leaves_ns`, one a stop, is when the vehicle leaves it at the earliest.
+    `leaves_ns`, one a stop, is when the vehicle leaves it at the earliest. With its motion the stop
+    that it is under way to is reached before the dwell that the running time there holds.
     """
     route = by.legs.route
     if not route.stops:
@@ -82,11 +91,16 @@ def predict_visits(
     found: dict[str, Visit] = {}
     for position, stop in enumerate(order.tolist()):
         visit_m = float(visits_m[stop])
+        untold_s = 0.0
         if position == 0:
             sums = sums.with_travel(by.rest(stop, outlook.total_m, visit_m, outlook.t_ns))
+            if motion is not None and not by.is_driven(stop):
+                untold_s = _untold_dwell_s(motion, outlook, visit_m)
         else:
             sums = sums.with_travel(by.travel(stop, outlook.t_ns, sums.seconds))
-        arrival_s = sums.seconds
+        if motion is not None and motion.is_untold:
+            sums = sums._replace(variance_s2=sums.variance_s2 + UNTOLD_STD_S**2)
+        arrival_s = sums.seconds - untold_s
         earlier_s, later_s = sums.widths_s(stand)
         scale = by.ranges.scale(arrival_s)
         leaves_s = -math.inf if leaves_ns is None else (leaves_ns[stop] - outlook.t_ns) * 1e-9
@@ -165,7 +179,15 @@ def told_arrival(route: Route, outlook: Outlook, visit: Visit, now_ns: int) -> S
         arrival_ns=instant_ns(outlook, now_ns, visit.arrival_s),
         early_ns=instant_ns(outlook, now_ns, visit.early_s),
         late_ns=instant_ns(outlook, now_ns, visit.late_s),
+        confidence="planned",
     )
+
+
+def _untold_dwell_s(motion: ExpectedMotion, outlook: Outlook, visit_m: float) -> float:
+    """Of the running time to the next stop what the vehicle will stand there; 0 before it drives"""
+    if outlook.stand.left_s > 0.0 or motion.stop_near(outlook.total_m, 0.0, UNDER_WAY_M):
+        return 0.0
+    return motion.untold_s(visit_m, outlook.total_m)
 
 
 def _place_s(route: Route, outlook: Outlook) -> float:

@@ -89,6 +89,12 @@ class ExpectedMotion:
             return None
         return float(places_m[0]), int(which[0])
 
+    def untold_s(self, stop_m: float, from_m: float) -> float:
+        """How much of the planned time from a place to the next stop is not driven."""
+        planned_s = self._route.time_at(np.array([from_m, stop_m]))
+        driven_s = self.driven_s(np.array([from_m, stop_m]))
+        return max(float(np.diff(planned_s)[0] - np.diff(driven_s)[0]), 0.0)
+
     def speed_mps(self, total_m: float) -> float:
         """Planned speed under way, at a distance."""
         within_m = total_m % self._route.length_m if self._route.loop else total_m

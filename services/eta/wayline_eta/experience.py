@@ -116,6 +116,10 @@ class Experience:
         unsure = prior * DWELL_RUNS / (known.weight + DWELL_RUNS)
         return Expected(mean_s, known.variance(prior, DWELL_RUNS) + 0.25 * unsure)
 
+    def is_driven(self, leg: str) -> bool:
+        """Whether anybody has taught of a leg."""
+        return self._known(leg).weight > 0.0
+
     def known_dwell_s(self, stop: str, least_runs: float) -> float | None:
         """The mean of the dwells that were seen at a stop; None of too few."""
         known = self._dwell.get(stop)

@@ -6,6 +6,7 @@ from wayline.messages import StopEvent
 from wayline.route import Route
 from wayline_eta import leg_times
 from wayline_eta.arrivals import Floats, Outlook, Visit, predict_visits
+from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.forecasts import Forecast, Forecasts
 from wayline_eta.leg_times import LegTimes
 from wayline_eta.legs import Legs
@@ -27,9 +28,14 @@ class Forecaster:
         self._times = LegTimes(self._legs, list(sequences))
         self._forecasts = Forecasts()
 
-    def visits(self, outlook: Outlook, leaves_ns: Floats | None = None) -> list[Visit]:
+    def visits(
+        self,
+        outlook: Outlook,
+        leaves_ns: Floats | None = None,
+        motion: ExpectedMotion | None = None,
+    ) -> list[Visit]:
         """The visits still to come; they are remembered until they have."""
-        visits = predict_visits(self._by(outlook.t_ns), outlook, leaves_ns)
+        visits = predict_visits(self._by(outlook.t_ns), outlook, leaves_ns, motion)
         for visit in visits:
             if visit.arrival_s > 0.0:
                 forecast = Forecast(

@@ -71,6 +71,11 @@ class Forecasting(NamedTuple):
             return Expected(0.0, 0.0)
         return self.experience.travel(leg, self.plan, t_ns, ahead_s)
 
+    def is_driven(self, stop: int) -> bool:
+        """Whether anybody has driven the leg to a stop."""
+        leg = self.legs.to(stop)
+        return leg is not None and self.experience.is_driven(leg.key)
+
     def rest(self, stop: int, here_m: float, stop_m: float, t_ns: int) -> Expected:
         """Of the leg under way to a stop, by the share of its planned time still to go."""
         ends_s = self.legs.route.time_at(np.array([max(here_m, 0.0), stop_m]))

@@ -80,5 +80,5 @@ class LinesFollowed:
     def drive(self, run: Run, *, afresh: bool) -> None:
         """Follow a run's line by that run's plan; afresh where the line is driven once more."""
         if afresh:
-            self._followers.pop(run.pattern_place, None)
+            self._followers[run.pattern_place] = self[run.pattern_place].again()
         self[run.pattern_place].run_as(run.trip_route.route, run.leaves_ns)

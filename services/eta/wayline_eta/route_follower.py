@@ -17,6 +17,8 @@ from wayline_eta.stop_visits import StopVisits
 Floats = NDArray[np.float64]
 
 EXTRAPOLATE_AT_MOST_S = 2.0
+REACHED_M = 0.5
+"""A vehicle whose place is told so near before a stop has reached it: places are means."""
 HOLD_M = 30.0
 HOLD_SIGMAS = 3.0
 """A place that falls back by less than this is noise: progress waits for it to catch up."""
@@ -71,6 +73,17 @@ class RouteFollower:
         self._visits.run_as(route, leaves_ns)
         if self._along is not None:
             self._along.run_as(self._motion)
+
+    def again(self) -> "RouteFollower":
+        """A follower for a further trip on the line; a circular one begins where this ended."""
+        follower = RouteFollower(self.route, self._tuning)
+        if self._pose is not None and self._tracker.is_circular:
+            follower.set_out(self._pose)
+        return follower
+
+    def set_out(self, pose: Pose) -> None:
+        """Begin at the start, with the pose that was seen there."""
+        self._tracker.set_out(pose)
 
     @property
     def motion(self) -> ExpectedMotion:
@@ -211,7 +224,7 @@ class RouteFollower:
             return Outlook(
                 t_ns=t_ns,
                 total_m=along.total_m,
-                served_m=max(self._visits.served_m, along.total_m),
+                served_m=max(self._visits.served_m, along.total_m + REACHED_M),
                 distance_std_m=along.std_m,
                 stand=along.stand,
             )

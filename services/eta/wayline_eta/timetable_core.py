@@ -7,7 +7,16 @@ import msgspec
 
 from wayline.core import Record, Sleep, Store
 from wayline.inputs import Tick
-from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArrival, StopEvent
+from wayline.messages import (
+    TEXT_MAX,
+    Arrivals,
+    GpsFix,
+    Message,
+    Pose,
+    Progress,
+    StopArrival,
+    StopEvent,
+)
 from wayline.node import Node
 from wayline.timetable.runs import PatternPlace, Run, Runs
 from wayline.tuning import Tuning
@@ -159,6 +168,10 @@ class TimetableEtaCore:
     def _trip_id(self, run: Run) -> str | None:
         return run.trip.trip_id if self._choice.is_certain else None
 
+    def _headsign(self, run: Run) -> str | None:
+        told = run.trip.headsign[:TEXT_MAX] or None
+        return told if self._choice.is_certain else None
+
     def _direction_id(self, run: Run) -> int | None:
         """Null as long as it may be the other one."""
         told = run.pattern.direction_id
@@ -186,7 +199,7 @@ class TimetableEtaCore:
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
             waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
-        visits = self._forecaster_of(run).visits(outlook, run.leaves_ns)
+        visits = self._forecaster_of(run).visits(outlook, run.leaves_ns, current.follower.motion)
         told = trip_arrivals.of_run(run, outlook, visits, t_ns)
         if not self._choice.is_certain:
             return trip_arrivals.before_the_fork(told, self._choice.rivals)
@@ -205,6 +218,7 @@ class TimetableEtaCore:
             t_ns=t_ns,
             route_id=current.run.pattern.route_id,
             trip_id=self._trip_id(current.run),
+            headsign=self._headsign(current.run),
             stale=stale,
             position_ns=position_ns,
             stops=stops,

@@ -25,6 +25,7 @@ def of_run(
                 told_arrival(route, outlook, visit, now_ns),
                 scheduled_ns=run.starts_ns + round(scheduled_s * SECOND_NS),
                 departure_ns=instant_ns(outlook, now_ns, visit.departure_s),
+                confidence="timetable",
             )
         )
     return tuple(found)
@@ -57,6 +58,7 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
             departure_ns=scheduled_ns + late_ns + round(stop.dwell_s * SECOND_NS),
             scheduled_ns=scheduled_ns,
             trip_id=run.trip.trip_id,
+            confidence="timetable",
         )
         found.setdefault(stop.stop_id, arrival)
     return tuple(found.values())
