@@ -59,6 +59,8 @@ class Visit(NamedTuple):
     """From the model's own p10 to its p50, before forecasts that came have scaled it."""
     late_width_s: float
     """From its p50 to its p90."""
+    is_learned: bool
+    """Somebody has driven the leg there."""
 
 
 def predict_arrivals(by: Forecasting, outlook: Outlook, now_ns: int) -> tuple[StopArrival, ...]:
@@ -114,6 +116,7 @@ def predict_visits(
             sums.seconds,
             earlier_s,
             later_s,
+            by.is_driven(stop),
         )
         found.setdefault(route.stops[stop].stop_id, visit)
     return list(found.values())
@@ -179,7 +182,7 @@ def told_arrival(route: Route, outlook: Outlook, visit: Visit, now_ns: int) -> S
         arrival_ns=instant_ns(outlook, now_ns, visit.arrival_s),
         early_ns=instant_ns(outlook, now_ns, visit.early_s),
         late_ns=instant_ns(outlook, now_ns, visit.late_s),
-        confidence="planned",
+        confidence="learned" if visit.is_learned else "planned",
     )
 
 

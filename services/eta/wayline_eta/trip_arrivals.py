@@ -25,7 +25,7 @@ def of_run(
                 told_arrival(route, outlook, visit, now_ns),
                 scheduled_ns=run.starts_ns + round(scheduled_s * SECOND_NS),
                 departure_ns=instant_ns(outlook, now_ns, visit.departure_s),
-                confidence="timetable",
+                confidence="learned" if visit.is_learned else "timetable",
             )
         )
     return tuple(found)

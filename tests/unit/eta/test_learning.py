@@ -231,3 +231,4 @@ def test_lessons_are_shared_by_the_vehicles_of_a_process() -> None:
     laps(eta_node([LOOP], Tuning(), lessons), 0.0)
     told = laps(eta_node([LOOP], Tuning(), lessons), 900.0)
     assert abs(error_s(told, 10.0)) < 30.0, "95 s by the plan"
+    assert {stop.confidence for stop in told[-1].stops} == {"learned"}
