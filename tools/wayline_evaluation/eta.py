@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from wayline.messages import Arrivals, StopEvent
 
@@ -88,11 +89,7 @@ class EtaRun(NamedTuple):
 
 def predictions_of(told: Iterable[Arrivals], events: Sequence[StopEvent]) -> list[Prediction]:
     """Each prediction with the first arrival at its stop after it; the drive's end cuts off."""
-    came: defaultdict[StopKey, list[int]] = defaultdict(list)
-    for event in events:
-        if event.kind in CAME:
-            came[event.trip_id, event.stop_id].append(event.t_ns)
-    instants = {key: np.sort(np.array(times)) for key, times in came.items()}
+    instants = _instants(events)
     end_ns = max((event.t_ns for event in events), default=0)
     found = []
     for arrivals in told:
@@ -112,6 +109,18 @@ def predictions_of(told: Iterable[Arrivals], events: Sequence[StopEvent]) -> lis
             predicted_s, early_s, late_s = ((each - arrivals.t_ns) * 1e-9 for each in instants_ns)
             found.append(Prediction(predicted_s, early_s, late_s, actual_s))
     return found
+
+
+def _instants(events: Iterable[StopEvent]) -> dict[StopKey, NDArray[np.int64]]:
+    """When the vehicle came to each stop; to one where its trip began, when it left."""
+    came: defaultdict[StopKey, list[int]] = defaultdict(list)
+    left: defaultdict[StopKey, list[int]] = defaultdict(list)
+    for event in events:
+        if event.kind in CAME:
+            came[event.trip_id, event.stop_id].append(event.t_ns)
+        elif event.kind == "departed":
+            left[event.trip_id, event.stop_id].append(event.t_ns)
+    return {key: np.sort(np.array(times, np.int64)) for key, times in {**left, **came}.items()}
 
 
 def scored(run: EtaRun) -> EtaScore:

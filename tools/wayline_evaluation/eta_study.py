@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from wayline.drive_file import load_drive
+from wayline.errors import InputError
 from wayline.messages import Arrivals, GpsFix, Pose, Progress, StopEvent
 from wayline.node import Node
 from wayline.replayed_drive import ReplayedDrive
@@ -25,6 +26,7 @@ from wayline_evaluation.replays import (
     read_topic,
     truth_of,
 )
+from wayline_evaluation.trip_truth import read_trip_truth
 from wayline_replay.replay import replay
 
 SECOND_NS = 1_000_000_000
@@ -80,8 +82,7 @@ def _run(job: Job) -> EtaRun:
     if truth is None:
         events = read_topic(job.keep, StopEvent)
     else:
-        assigned = [fix for fix in read_topic(job.keep, GpsFix) if fix.assignment]
-        events = list(_events(_eta(job.folder, followed), truth, assigned))
+        events = list(_events(_eta(job.folder, followed), truth, _assigned(job)))
     on_route = {each.t_ns for each in read_topic(job.keep, Progress) if each.on_route}
     return EtaRun(
         drive_name(job.folder),
@@ -106,8 +107,22 @@ def _eta(folder: Path, followed: Followed) -> Node:
     )
 
 
+def _assigned(job: Job) -> list[GpsFix]:
+    """What the vehicle ran, by the truth where that tells it, else by its reports."""
+    try:
+        truth = read_trip_truth(job.folder)
+    except InputError:
+        return [fix for fix in read_topic(job.keep or job.folder, GpsFix) if fix.assignment]
+    begins = np.flatnonzero(truth.trips[1:] != truth.trips[:-1]) + 1
+    return [
+        GpsFix(t_ns=round(float(truth.times_s[at]) * 1e9), valid=False, assignment=trip)
+        for at in (0, *begins.tolist())
+        if (trip := str(truth.trips[at]))
+    ]
+
+
 def _events(eta: Node, truth: Reference, assigned: Sequence[GpsFix]) -> Iterator[StopEvent]:
-    """What the vehicle did at stops, by its true way; reports only tell what it runs."""
+    """What the vehicle did at stops, by its true way."""
     waiting = deque(assigned)
     for pose in _poses(truth):
         while waiting and waiting[0].t_ns <= pose.t_ns:
