@@ -23,7 +23,7 @@ from wayline_eta.stop_visits import BOARDING_S, next_visits_m
 Floats = NDArray[np.float64]
 
 FLOOR_S = 1.0
-RUN_STD = 0.05
+RUN_STD = 0.08
 """Of the logarithm of a whole run's time, beside its legs' own."""
 SHORT_S = 1.0
 UNTOLD_STD_S = 12.0
