@@ -56,17 +56,20 @@ def predict_arrivals(route: Route, outlook: Outlook, now_ns: int) -> tuple[StopA
 
     What an outlook older than `now_ns` puts into the past is due now.
     """
+    stops = route.stops
     return tuple(
         StopArrival(
-            stop_id=route.stops[visit.stop].stop_id,
-            name=route.stops[visit.stop].name,
-            distance_m=visit.distance_m,
-            arrival_ns=visit.arrival_ns,
-            early_ns=visit.early_ns,
-            late_ns=visit.late_ns,
+            stop_id=stops[stop].stop_id,
+            name=stops[stop].name,
+            distance_m=distance_m,
+            arrival_ns=arrival_ns,
+            early_ns=early_ns,
+            late_ns=late_ns,
             confidence="planned",
         )
-        for visit in predict_visits(route, outlook, now_ns)
+        for stop, distance_m, arrival_ns, early_ns, late_ns, _ in predict_visits(
+            route, outlook, now_ns
+        )
     )
 
 
@@ -81,25 +84,34 @@ def predict_visits(
     """
     if not route.stops:
         return []
-    visits_m = next_visits_m(route, outlook.served_m)
-    order = np.argsort(visits_m, kind="stable")
-    order = order[np.isfinite(visits_m[order])]
-    visits_m = visits_m[order]
+    order, visits_m = _ahead(route, outlook.served_m)
     arrivals_s, departures_s = _seconds_to(route, outlook, visits_m, order, motion)
     stds_s = _spread_s(route, outlook, arrivals_s)
     if motion is not None and motion.is_untold:
         stds_s = np.hypot(stds_s, UNTOLD_STD_S * np.sqrt(1.0 + np.arange(len(order))))
     spreads_s, stand = NORMAL_P90 * stds_s, outlook.stand
-    earlies_s = arrivals_s - np.hypot(spreads_s, stand.left_s - stand.early_s)
-    lates_s = arrivals_s + np.hypot(spreads_s, stand.late_s - stand.left_s)
+    earlies_s, lates_s = arrivals_s - spreads_s, arrivals_s + spreads_s
+    if stand is not MOVING:
+        earlies_s = arrivals_s - np.hypot(spreads_s, stand.left_s - stand.early_s)
+        lates_s = arrivals_s + np.hypot(spreads_s, stand.late_s - stand.left_s)
     distances_m = np.maximum(visits_m - outlook.total_m, 0.0)
-    times = (arrivals_s, earlies_s, lates_s, departures_s)
-    instants = [_instants_ns(outlook, now_ns, seconds).tolist() for seconds in times]
-    visits = map(Visit, order.tolist(), distances_m.tolist(), *instants)
+    seconds = np.array((arrivals_s, earlies_s, lates_s, departures_s))
+    instants_ns = _instants_ns(outlook, now_ns, seconds).tolist()
     found: dict[str, Visit] = {}
-    for visit in visits:
+    for visit in map(Visit, order.tolist(), distances_m.tolist(), *instants_ns):
         found.setdefault(route.stops[visit.stop].stop_id, visit)
     return list(found.values())
+
+
+def _ahead(route: Route, served_m: float) -> tuple[NDArray[np.intp], Floats]:
+    """The stops still to come, soonest first, and where they are next reached."""
+    places_m = route.stop_distances_m
+    if not route.loop:
+        first = int(np.searchsorted(places_m, served_m, side="right"))
+        return np.arange(first, len(places_m)), places_m[first:]
+    visits_m = next_visits_m(route, served_m)
+    order = np.argsort(visits_m, kind="stable")
+    return order, visits_m[order]
 
 
 def _untold_dwell_s(motion: ExpectedMotion, outlook: Outlook, visit_m: float) -> float:
