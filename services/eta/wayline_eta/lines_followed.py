@@ -14,6 +14,8 @@ class Progressed(NamedTuple):
 
     travelled_m: float
     fixes: int
+    poses: int
+    """Since the last fix."""
 
 
 class LinesFollowed:
@@ -23,7 +25,7 @@ class LinesFollowed:
         self._runs, self._tuning = runs, tuning
         self._followers: dict[PatternPlace, RouteFollower] = {}
         self._since: dict[PatternPlace, Progressed] = {}
-        self.now = Progressed(0.0, 0)
+        self.now = Progressed(0.0, 0, 0)
 
     def __getitem__(self, place: PatternPlace) -> RouteFollower:
         if place not in self._followers:
@@ -47,11 +49,11 @@ class LinesFollowed:
 
     def count_fix(self) -> None:
         """A receiver, or a report, has told a position."""
-        self.now = self.now._replace(fixes=self.now.fixes + 1)
+        self.now = self.now._replace(fixes=self.now.fixes + 1, poses=0)
 
     def note(self, travelled_m: float) -> None:
         """Note which lines are followed, at a pose that is sure enough to decide anything by."""
-        self.now = self.now._replace(travelled_m=travelled_m)
+        self.now = self.now._replace(travelled_m=travelled_m, poses=self.now.poses + 1)
         self._since = {
             place: self._since.get(place, self.now)
             for place, follower in self._followers.items()
@@ -71,8 +73,13 @@ class LinesFollowed:
             and now.fixes - since.fixes >= fixes
         )
 
+    def is_as_long(self, place: PatternPlace, other: PatternPlace) -> bool:
+        """Whether a line has been followed for as long as another, or that one is not."""
+        since, others = self._since.get(place), self._since.get(other)
+        return others is None or (since is not None and since.travelled_m <= others.travelled_m)
+
     def drive(self, run: Run, *, afresh: bool) -> None:
-        """Follow a run's line by that run's plan; afresh where the line is driven once more."""
+        """Follow a run's line by that run's plan; afresh where it may have been driven before."""
         if afresh:
             self._followers.pop(run.pattern_place, None)
         self[run.pattern_place].run_as(run.trip_route.route)
