@@ -93,6 +93,7 @@ def test_a_truth_without_trips_is_one_clear_error(tmp_path: Path) -> None:
     (tmp_path / "drive.toml").write_text(
         '[drive]\nvehicle_id = "bus"\n\n[[nmea]]\npath = "gps.nmea"\n\n[truth]\npath = "truth.csv"\n'
     )
+    (tmp_path / "gps.nmea").write_text("")
     (tmp_path / "truth.csv").write_text("t_s,lat_deg,lon_deg\n0,1,1\n1,1,1\n")
     with pytest.raises(InputError, match="no column trip_id"):
         read_trip_truth(tmp_path)
