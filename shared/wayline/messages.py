@@ -281,6 +281,30 @@ class Arrivals(Message, frozen=True, kw_only=True):
     stops: Annotated[tuple[StopArrival, ...], AtMost] = ()
 
 
+StopEventKind = Literal["arrived", "departed", "passed", "skipped"]
+
+
+class StopEvent(Message, frozen=True, kw_only=True):
+    """A vehicle came to a stop of its route and stood, left it, passed it or left it out."""
+
+    topic: ClassVar[str] = "stop_event"
+    rate_hz: ClassVar[float] = 0.05
+
+    route_id: Text
+    trip_id: Text | None = None
+    stop_id: Text
+    stop_sequence: Count
+    """The timetable's; of a route without one its stops are counted from 1."""
+    kind: StopEventKind
+    scheduled_ns: TimeNs | None = None
+    """By the timetable: of the departure where that is told, else of the arrival."""
+    distance_m: NonNegative
+    """Of the stop along the route."""
+    lap: Count = 0
+    interpolated: bool = False
+    """The vehicle was not seen then: the instant is reckoned from what was seen before and after"""
+
+
 class HorizonPoint(msgspec.Struct, frozen=True, kw_only=True):
     """Slope at a distance ahead, from earlier runs; unknown is null, never 0."""
 
@@ -354,6 +378,7 @@ MESSAGES: tuple[type[Message], ...] = (
     FusionStatus,
     Progress,
     Arrivals,
+    StopEvent,
     Horizon,
     Health,
 )

@@ -19,7 +19,7 @@ from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
-from wayline_eta.core import assigned_routes, make_eta_core
+from wayline_eta.core import assigned_routes, eta_node
 from wayline_eta.timetable_core import timetable_node
 
 NAME = "eta"
@@ -56,8 +56,8 @@ def _make_node(settings: Settings, routes: Sequence[Route]) -> MakeNode:
     tuning = settings.tuning
     named = {each.vehicle_id: each.route_id for each in settings.assignment}
     if not settings.feeds:
-        return lambda vehicle_id, _: Node(
-            NAME, make_eta_core(assigned_routes(routes, named.get(vehicle_id)), tuning)
+        return lambda vehicle_id, _: eta_node(
+            assigned_routes(routes, named.get(vehicle_id)), tuning
         )
     timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
     for warning in timetable_warnings(timetables, [each.name for each in settings.assignment]):

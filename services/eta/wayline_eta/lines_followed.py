@@ -6,6 +6,7 @@ from typing import NamedTuple
 from wayline.messages import Pose
 from wayline.timetable.runs import PatternPlace, Run, Runs
 from wayline.tuning import Tuning
+from wayline_eta.presence import MATCHES_TO_CHANGE
 from wayline_eta.route_follower import RouteFollower
 
 
@@ -14,8 +15,6 @@ class Progressed(NamedTuple):
 
     travelled_m: float
     fixes: int
-    poses: int
-    """Since the last fix."""
 
 
 class LinesFollowed:
@@ -25,7 +24,14 @@ class LinesFollowed:
         self._runs, self._tuning = runs, tuning
         self._followers: dict[PatternPlace, RouteFollower] = {}
         self._since: dict[PatternPlace, Progressed] = {}
-        self.now = Progressed(0.0, 0, 0)
+        self._seen: tuple[Pose, float, float, bool] | None = None
+        """The last that was observed."""
+        self.now = self.began = Progressed(0.0, 0)
+        """`began`: when what is seen now of presence on lines was first seen."""
+        self._noted = self.now
+        self._poses = 0
+        """Since the last fix; 1 where reports are followed themselves."""
+        self._by_report = False
 
     def __getitem__(self, place: PatternPlace) -> RouteFollower:
         if place not in self._followers:
@@ -39,23 +45,43 @@ class LinesFollowed:
         return iter(self._followers)
 
     def observe(
-        self, places: set[PatternPlace], pose: Pose, lat_deg: float, lon_deg: float
+        self,
+        places: set[PatternPlace],
+        pose: Pose,
+        lat_deg: float,
+        lon_deg: float,
+        *,
+        reported: bool,
     ) -> None:
-        """Look at these lines with the next pose, and at no others."""
+        """Look at these lines with the next pose, or report, and at no others."""
+        self._seen = pose, lat_deg, lon_deg, reported
         for place in places:
-            self[place].observe(pose, lat_deg, lon_deg)
+            self[place].observe(pose, lat_deg, lon_deg, reported=reported)
         for place in [each for each in self._followers if each not in places]:
             del self._followers[place]
 
     def count_fix(self) -> None:
         """A receiver, or a report, has told a position."""
-        self.now = self.now._replace(fixes=self.now.fixes + 1, poses=0)
+        self.now = self.now._replace(fixes=self.now.fixes + 1)
+        self._poses = 0
 
-    def note(self, travelled_m: float) -> None:
-        """Note which lines are followed, at a pose that is sure enough to decide anything by."""
-        self.now = self.now._replace(travelled_m=travelled_m, poses=self.now.poses + 1)
+    @property
+    def is_settled(self) -> bool:
+        """Whether the last fix has had its say in which lines are followed."""
+        return self._by_report or self._poses >= MATCHES_TO_CHANGE
+
+    def note(self, travelled_m: float, *, by_report: bool) -> None:
+        """Note which lines are followed, at a pose that is sure enough to decide anything by.
+
+        Presence changes by two sightings. Of poses that are many a fix they are of one place; of
+        reports the first was a report ago.
+        """
+        now = self.now._replace(travelled_m=travelled_m)
+        self.began = self._noted if by_report else now
+        self.now = self._noted = now
+        self._by_report, self._poses = by_report, self._poses + 1
         self._since = {
-            place: self._since.get(place, self.now)
+            place: self._since.get(place, self.began)
             for place, follower in self._followers.items()
             if follower.on_route
         }
@@ -82,4 +108,7 @@ class LinesFollowed:
         """Follow a run's line by that run's plan; afresh where it may have been driven before."""
         if afresh:
             self._followers.pop(run.pattern_place, None)
-        self[run.pattern_place].run_as(run.trip_route.route)
+        self[run.pattern_place].run_as(run.trip_route.route, run.leaves_ns)
+        if afresh and self._seen is not None:
+            pose, lat_deg, lon_deg, reported = self._seen
+            self[run.pattern_place].observe(pose, lat_deg, lon_deg, reported=reported)

@@ -29,6 +29,10 @@ CORRELATION_S = 10.0
 MOTION_SLACK_M = 5.0
 MOTION_SLACK_SHARE = 0.1
 """Odometer and line disagree by so much, and by so much of the distance travelled."""
+SELDOM_SLACK_M = 25.0
+"""Between reports both ends are off, and the way is known by its straight line at best."""
+UNLIKE_COST = 0.5
+"""Lost by a place as far from where the vehicle was expected as that is away: tells ties apart."""
 JUMP_COST = 12.0
 """Most that a place can lose by moving unlike the vehicle: a detour or a short cut ends so."""
 FORGET_COST = 30.0
@@ -53,6 +57,16 @@ class Place(NamedTuple):
     """Between the vehicle's heading and the route's, 0 to 180; 0 where it is not known."""
 
 
+class _Moves(NamedTuple):
+    """How far along the route a vehicle has come since it was last seen."""
+
+    least_m: float
+    most_m: float
+    slack_m: float
+    likely_m: float
+    unlike_cost: float
+
+
 class PlaceTracker:
     """The likeliest place of one vehicle on one route."""
 
@@ -62,8 +76,14 @@ class PlaceTracker:
         self._costs: Floats = np.empty(0)
         self._last: Pose | None = None
 
-    def observe(self, pose: Pose, lat_deg: float, lon_deg: float) -> Place:
-        """Take the next pose with its position in degrees, and say where the vehicle is."""
+    def observe(
+        self, pose: Pose, lat_deg: float, lon_deg: float, expected_m: float | None = None
+    ) -> Place:
+        """Take the next pose with its position in degrees, and say where the vehicle is.
+
+        Where nobody knows the way since the last one, `expected_m` is how far along the route it
+        is expected to have come; then all between that and the straight way is as likely.
+        """
         candidates = locally_nearest(self._route.line, lat_deg, lon_deg)
         turns_deg = _turns_deg(pose, candidates)
         costs = self._emission(pose, candidates, turns_deg)
@@ -71,7 +91,8 @@ class PlaceTracker:
             totals_m = self._first_totals(candidates)
             costs = costs + EARLIEST_COST * totals_m / self._route.length_m
         else:
-            totals_m, moved = self._transition(self._last, pose, candidates)
+            moves = self._moves(self._last, pose, expected_m)
+            totals_m, moved = self._transition(moves, candidates)
             costs = costs + moved
         best = int(np.argmin(costs))
         place = self._place(pose, candidates, totals_m, turns_deg, best)
@@ -93,21 +114,33 @@ class PlaceTracker:
             return alongs_m
         return np.where(alongs_m > length_m - BEFORE_START_M, alongs_m - length_m, alongs_m)
 
-    def _transition(self, last: Pose, pose: Pose, candidates: Candidates) -> tuple[Floats, Floats]:
-        """Distance and cost of reaching every candidate from the best of the earlier places."""
+    def _moves(self, last: Pose, pose: Pose, expected_m: float | None) -> "_Moves":
         travelled_m = travelled_between_m(last, pose)
+        if expected_m is None:
+            slack_m = MOTION_SLACK_M + MOTION_SLACK_SHARE * abs(travelled_m)
+            return _Moves(travelled_m, travelled_m, slack_m, travelled_m, 0.0)
+        least_m, most_m = sorted((travelled_m, expected_m))
+        slack_m = SELDOM_SLACK_M + MOTION_SLACK_SHARE * most_m
+        return _Moves(least_m, most_m, slack_m, expected_m, UNLIKE_COST)
+
+    def _transition(self, moves: "_Moves", candidates: Candidates) -> tuple[Floats, Floats]:
+        """Distance and cost of reaching every candidate from the best of the earlier places."""
+        middle_m = (moves.least_m + moves.most_m) / 2.0
         # rows: earlier places, columns: candidates
         advances_m = candidates.alongs_m[None, :] - self._totals_m[:, None]
-        surplus_m = advances_m - travelled_m
+        surplus_m = advances_m - middle_m
         if self._route.loop:
             length_m = self._route.length_m
             surplus_m = (surplus_m + length_m / 2.0) % length_m - length_m / 2.0
-        slack_m = MOTION_SLACK_M + MOTION_SLACK_SHARE * abs(travelled_m)
-        misfit = np.abs(surplus_m) / slack_m
+        outside_m = np.maximum(np.abs(surplus_m) - (moves.most_m - moves.least_m) / 2.0, 0.0)
+        misfit = outside_m / moves.slack_m
         costs = self._costs[:, None] + misfit / (1.0 + misfit / JUMP_COST)
+        if moves.unlike_cost > 0.0:
+            unlike_m = np.abs(middle_m + surplus_m - moves.likely_m)
+            costs += moves.unlike_cost * unlike_m / (moves.slack_m + moves.most_m)
         earlier = np.argmin(costs, axis=0)
         column = np.arange(len(earlier))
-        totals_m = self._totals_m[earlier] + travelled_m + surplus_m[earlier, column]
+        totals_m = self._totals_m[earlier] + middle_m + surplus_m[earlier, column]
         return totals_m, costs[earlier, column]
 
     def _place(

@@ -11,10 +11,11 @@ from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArri
 from wayline.node import Node
 from wayline.timetable.runs import Run, Runs
 from wayline.tuning import Tuning
-from wayline_eta.arrivals import predict_arrivals
-from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
+from wayline_eta import stop_events, trip_arrivals
+from wayline_eta.sightings import Sighting, Sightings
+from wayline_eta.stop_events import StopEvents
 from wayline_eta.trip_choice import TripChoice
-from wayline_eta.trip_fit import Followed
+from wayline_eta.trip_fit import Followed, is_same
 
 SECOND_NS = 1_000_000_000
 
@@ -39,39 +40,62 @@ class TimetableEtaCore:
     def __init__(self, runs: Runs, tuning: Tuning, assignment: str | None = None) -> None:
         self._choice = TripChoice(runs, tuning)
         self._tuning, self._configured = tuning, assignment
+        self._sightings = Sightings(tuning)
+        self._events = StopEvents()
         self._pose: Pose | None = None
         self._is_stale = False
         """Whether it has been told that the pose is old."""
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take a pose, a report with an assignment or a tick; anything else is not read."""
-        del source
         if isinstance(message, GpsFix):
+            self._sightings.take_fix(message, source)
             self._choice.assign(message.assignment, message.t_ns)
             if message.valid:
                 self._choice.count_fix()
         elif isinstance(message, Pose):
-            self._take(message)
+            self._take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
-            return self._tell(message.t_ns, message.age_ns)
+            self._take(self._sightings.pass_time(message.t_ns))
+            told = self._tell(message.t_ns, message.age_ns)
+            return [*self._events.take(), *told]
         return ()
 
-    def _take(self, pose: Pose) -> None:
-        if pose.lat_deg is None or pose.lon_deg is None or pose.mode == "lost":
+    def _take(self, seen: Sequence[Sighting]) -> None:
+        for pose, reported in seen:
+            if pose.lat_deg is None or pose.lon_deg is None:
+                continue
+            self._choice.assign(self._configured, pose.t_ns)
+            self._pose, self._is_stale = pose, False
+            before, following = self._choice.current, self._choice.next_run
+            self._choice.observe(pose, pose.lat_deg, pose.lon_deg, reported=reported)
+            self._note(before, following, pose.t_ns)
+
+    def _note(self, before: Followed | None, following: Run | None, t_ns: int) -> None:
+        """What happened at stops: to the end of the trip before, then on the present one."""
+        now, known = self._choice.current, self._choice.is_certain
+        if before is not None:
+            self._note_of(before, known=known)
+        if now is None or (before is not None and is_same(now.run, before.run)):
             return
-        self._choice.assign(self._configured, pose.t_ns)
-        self._pose, self._is_stale = pose, False
-        self._choice.observe(pose, pose.lat_deg, pose.lon_deg)
+        if following is not None and is_same(now.run, following):
+            self._events.finish(t_ns)
+        self._note_of(now, known=known)
+
+    def _note_of(self, followed: Followed, *, known: bool) -> None:
+        run = followed.run
+        key = (run.pattern_place, run.trip.trip_id, run.starts_ns)
+        self._events.note(followed.follower, key, stop_events.of_run(run), known=known)
 
     def _tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
         pose, current = self._pose, self._choice.current
         if pose is None or current is None:
             return []
         age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
-        if age_s > self._tuning.eta_forget_after_s:
+        if age_s > self._sightings.forgotten_after_s:
             self._pose = None
             return [self._arrivals(current, t_ns, pose.t_ns, (), stale=True)]
-        stale = age_s > self._tuning.eta_stale_after_s
+        stale = age_s > self._sightings.stale_after_s
         if stale and self._is_stale:
             return []
         self._is_stale = stale
@@ -108,12 +132,12 @@ class TimetableEtaCore:
             return ()
         first_m = float(run.trip_route.route.stop_distances_m[0])
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
-            waits_s = max((run.departs_ns - outlook.t_ns) * 1e-9, outlook.dwell_left_s)
-            outlook = outlook._replace(dwell_left_s=waits_s)
-        told = of_run(run, predict_arrivals(run.trip_route.route, outlook, t_ns))
+            waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
+            outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
+        told = trip_arrivals.of_run(run, outlook, t_ns)
         if not self._choice.is_certain:
-            return before_the_fork(told, self._choice.rivals)
-        return (*told, *of_next_run(self._choice.next_run, told))
+            return trip_arrivals.before_the_fork(told, self._choice.rivals)
+        return (*told, *trip_arrivals.of_next_run(self._choice.next_run, told))
 
     def _arrivals(
         self,

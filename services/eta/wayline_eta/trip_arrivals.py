@@ -7,23 +7,23 @@ import msgspec
 
 from wayline.messages import LIST_MAX, StopArrival
 from wayline.timetable.runs import Run
+from wayline_eta.arrivals import Outlook, instant_ns, predict_visits, told_arrival
 
 SECOND_NS = 1_000_000_000
 
 
-def of_run(run: Run, told: Sequence[StopArrival]) -> tuple[StopArrival, ...]:
-    """Arrivals of a run with their scheduled time and the departure that follows."""
-    stops, plan = run.trip_route.route.stops, run.trip_route.plan
-    last = {stop.stop_id: at for at, stop in reversed(list(enumerate(stops)))}
+def of_run(run: Run, outlook: Outlook, now_ns: int) -> tuple[StopArrival, ...]:
+    """Predicted arrivals of a run with their scheduled times and the departures that follow."""
+    route, plan = run.trip_route.route, run.trip_route.plan
     found = []
-    for arrival in told:
-        at = last[arrival.stop_id]
-        departs_ns = arrival.arrival_ns + round(stops[at].dwell_s * SECOND_NS)
-        if at == 0:
-            departs_ns = max(departs_ns, run.departs_ns)
-        scheduled_ns = run.starts_ns + round(float(plan.arrivals_s[at]) * SECOND_NS)
+    for visit in predict_visits(route, outlook, run.leaves_ns):
+        scheduled_s = float(plan.arrivals_s[visit.stop])
         found.append(
-            msgspec.structs.replace(arrival, scheduled_ns=scheduled_ns, departure_ns=departs_ns)
+            msgspec.structs.replace(
+                told_arrival(route, outlook, visit, now_ns),
+                scheduled_ns=run.starts_ns + round(scheduled_s * SECOND_NS),
+                departure_ns=instant_ns(outlook, now_ns, visit.departure_s),
+            )
         )
     return tuple(found)
 

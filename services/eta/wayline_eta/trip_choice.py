@@ -17,7 +17,6 @@ from wayline.tuning import Tuning
 from wayline_eta.departures import LAYOVER_S, SET_OUT_EARLY_COUNTS, Waiting
 from wayline_eta.lines_followed import LinesFollowed, Progressed
 from wayline_eta.place_tracker import position_std_m
-from wayline_eta.presence import MATCHES_TO_CHANGE
 from wayline_eta.trip_fit import Followed, is_same, likely
 
 NEAR_M = 100.0
@@ -85,13 +84,15 @@ class TripChoice:
         """A receiver, or a report, has told a position."""
         self._lines.count_fix()
 
-    def observe(self, pose: Pose, lat_deg: float, lon_deg: float) -> None:
-        """Take the next pose with its position in degrees."""
+    def observe(
+        self, pose: Pose, lat_deg: float, lon_deg: float, *, reported: bool = False
+    ) -> None:
+        """Take the next pose with its position in degrees; `reported` where it is a report's."""
         self._at_deg = lat_deg, lon_deg
-        self._lines.observe(self._looked_at(), pose, lat_deg, lon_deg)
+        self._lines.observe(self._looked_at(), pose, lat_deg, lon_deg, reported=reported)
         if self._current is not None and position_std_m(pose, None) > self._tuning.on_route_m:
             return  # reckoned between two fixes, too far to decide anything by
-        self._lines.note(pose.distance_m)
+        self._lines.note(pose.distance_m, by_report=reported)
         self._note_left()
         if self._chain:
             self._go_on(pose.t_ns)
@@ -103,7 +104,7 @@ class TripChoice:
         if current is None or self._lines.is_on(current.pattern_place):
             self._left_since = None
         elif self._left_since is None:
-            self._left_since = self._lines.now
+            self._left_since = self._lines.began
 
     def _looked_at(self) -> set[PatternPlace]:
         own = {run.pattern_place for run in self._chain}
@@ -132,8 +133,7 @@ class TripChoice:
     @property
     def _has_turned(self) -> bool:
         """Also of a vehicle that stands turned round at a terminal."""
-        settled = self._lines.now.poses >= MATCHES_TO_CHANGE
-        return self._off_fixes >= 1 and settled and not self._is_beside
+        return self._off_fixes >= 1 and self._lines.is_settled and not self._is_beside
 
     @property
     def _off_fixes(self) -> int:

@@ -43,6 +43,13 @@ class Run(NamedTuple):
         """Arrival at the last stop."""
         return self.starts_ns + _ns(self.trip_route.plan.arrivals_s[-1])
 
+    @property
+    def leaves_ns(self) -> Floats:
+        """Before when the vehicle leaves no stop, shape (stops,); minus infinity where it may."""
+        departures_s = self.trip_route.plan.departures_s
+        times_ns = self.starts_ns + departures_s * float(SECOND_NS)
+        return np.where(self.trip_route.timepoints, times_ns, -np.inf)
+
     def delay_s(self, distance_m: float, t_ns: int) -> float:
         """How late a vehicle is that is so far along at an instant; negative is early.
 

@@ -67,16 +67,24 @@ class Ride:
             north_std_m=3.0,
         )
         if self._second % self._every_s == 0:
-            self.report()
+            self.report(pose)
         self._second += 1
         told = list(self._node.take(pose, "fusion"))
         self.t_ns += SECOND_NS
         self._travelled_m += speed_mps
         return told
 
-    def report(self, assignment: str | None = None) -> None:
-        """A fix, with what it names."""
-        fix = GpsFix(t_ns=self.t_ns, valid=True, lat_deg=1.0, lon_deg=1.0, assignment=assignment)
+    def report(self, pose: Pose | None = None, assignment: str | None = None) -> None:
+        """A fix with the place of a pose, and what it names."""
+        fix = GpsFix(
+            t_ns=self.t_ns,
+            valid=pose is not None,
+            lat_deg=pose.lat_deg if pose else None,
+            lon_deg=pose.lon_deg if pose else None,
+            course_deg=pose.heading_deg if pose else None,
+            speed_mps=pose.speed_mps if pose else None,
+            assignment=assignment,
+        )
         assert not list(self._node.take(fix, "gps-ingest"))
 
     def tick(self) -> list[Message]:

@@ -205,8 +205,8 @@ def test_at_a_terminal_the_route_that_begins_is_preferred_to_the_one_that_ends()
     assert stop_ids(told[-1]) == ["s0"]
 
 
-def test_the_default_core_reads_poses_and_the_reference_fixes() -> None:
-    assert make_eta_core([], TUNING).reads == {Pose}
+def test_the_default_core_reads_poses_and_fixes_and_the_reference_fixes() -> None:
+    assert make_eta_core([], TUNING).reads == {Pose, GpsFix}
     assert make_eta_core([], Tuning(route_filter="avl")).reads == {GpsFix}
 
 

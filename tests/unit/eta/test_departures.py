@@ -113,7 +113,7 @@ def test_an_arrival_between_two_reports_is_an_arrival(tmp_path: Path, reported_m
     """Once a minute: one before the end, one on the way back, a second one, and it is told."""
     ride = Ride(there_and_back(tmp_path, ("08:09", "08:30")), every_s=60)
     to_the_end(ride, 481)
-    told = back_from(ride, reported_m, 8.34 * 63.0)
+    told = back_from(ride, reported_m, 8.34 * 121.0)
     assert trips(told) == ["back-0"]
 
 

@@ -40,7 +40,7 @@ def test_an_assignment_tells_the_line_at_once(tmp_path: Path) -> None:
 
 def test_a_report_s_block_is_believed(tmp_path: Path) -> None:
     ride = Ride(two_lines(tmp_path))
-    ride.report("B")
+    ride.report(assignment="B")
     assert trips(ride.at(0.0)) == ["T"]
 
 

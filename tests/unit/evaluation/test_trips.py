@@ -91,7 +91,8 @@ def test_another_direction_is_counted_in_reports(timetable: Timetable) -> None:
 
 def test_a_truth_without_trips_is_one_clear_error(tmp_path: Path) -> None:
     (tmp_path / "drive.toml").write_text(
-        '[drive]\nvehicle_id = "bus"\n\n[[nmea]]\npath = "gps.nmea"\n\n[truth]\npath = "truth.csv"\n'
+        '[drive]\nvehicle_id = "bus"\n\n[[nmea]]\npath = "gps.nmea"\n\n'
+        '[truth]\npath = "truth.csv"\n'
     )
     (tmp_path / "gps.nmea").write_text("")
     (tmp_path / "truth.csv").write_text("t_s,lat_deg,lon_deg\n0,1,1\n1,1,1\n")
