@@ -1,6 +1,7 @@
 """Pure: the lines of a timetable near a vehicle, and for how long it has followed each."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 from wayline.messages import Pose
@@ -15,6 +16,14 @@ class Progressed(NamedTuple):
 
     travelled_m: float
     fixes: int
+    totals_m: Mapping[PatternPlace, float] = MappingProxyType({})
+    """How far along each line that was looked at."""
+
+    def advanced_m(self, now: "Progressed", place: PatternPlace) -> float:
+        """How far it has come since along a line, back counting below 0."""
+        if place in self.totals_m and place in now.totals_m:
+            return now.totals_m[place] - self.totals_m[place]
+        return now.travelled_m - self.travelled_m
 
 
 class LinesFollowed:
@@ -76,7 +85,8 @@ class LinesFollowed:
         Presence changes by two sightings. Of poses that are many a fix they are of one place; of
         reports the first was a report ago.
         """
-        now = self.now._replace(travelled_m=travelled_m)
+        totals_m = {place: each.total_m for place, each in self._followers.items()}
+        now = Progressed(travelled_m, self.now.fixes, totals_m)
         self.began = self._noted if by_report else now
         self.now = self._noted = now
         self._by_report, self._poses = by_report, self._poses + 1

@@ -151,8 +151,8 @@ class TripChoice:
         """Whether the vehicle has been on another line for long enough to be sure of it."""
         since = self._left_since
         if since is not None and self._has_turned:
-            driven_m = self._lines.now.travelled_m - since.travelled_m
-            return driven_m >= TURNED_M and self._lines.is_followed(place, TURNED_M, 1)
+            advanced_m = since.advanced_m(self._lines.now, place)
+            return advanced_m >= TURNED_M and self._lines.is_followed(place, TURNED_M, 1)
         return self._lines.is_followed(place, FOLLOWED_M, FOLLOWED_FIXES)
 
     def _go_on(self, t_ns: int) -> None:
