@@ -136,7 +136,8 @@ class TimetableEtaCore:
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
         told = trip_arrivals.of_run(run, outlook, t_ns)
         if not self._choice.is_certain:
-            return trip_arrivals.before_the_fork(told, self._choice.rivals)
+            rivals = [rival.trip_route.route for rival in self._choice.rivals]
+            return trip_arrivals.before_the_fork(told, rivals)
         return (*told, *trip_arrivals.of_next_run(self._choice.next_run, told))
 
     def _arrivals(

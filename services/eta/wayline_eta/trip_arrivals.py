@@ -6,6 +6,7 @@ from itertools import takewhile
 import msgspec
 
 from wayline.messages import LIST_MAX, StopArrival
+from wayline.route import Route
 from wayline.timetable.runs import Run
 from wayline_eta.arrivals import Outlook, instant_ns, predict_visits, told_arrival
 
@@ -60,7 +61,9 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
     return tuple(found.values())
 
 
-def before_the_fork(told: Sequence[StopArrival], rivals: Sequence[Run]) -> tuple[StopArrival, ...]:
+def before_the_fork(
+    told: Sequence[StopArrival], rivals: Sequence[Route]
+) -> tuple[StopArrival, ...]:
     """The arrivals up to the first stop that a rival line does not serve."""
-    served = [{stop.stop_id for stop in run.trip_route.route.stops} for run in rivals]
+    served = [{stop.stop_id for stop in route.stops} for route in rivals]
     return tuple(takewhile(lambda stop: all(stop.stop_id in each for each in served), told))
