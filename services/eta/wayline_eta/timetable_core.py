@@ -117,7 +117,7 @@ class TimetableEtaCore:
         progress, run = current.follower.progress(t_ns), current.run
         if progress is None:
             return None
-        known = self._choice.is_certain and progress.on_route
+        known = self._choice.is_certain and progress.on_route and run.is_exact
         return msgspec.structs.replace(
             progress,
             route_id=run.pattern.route_id,

@@ -22,7 +22,7 @@ def of_run(run: Run, outlook: Outlook, now_ns: int) -> tuple[StopArrival, ...]:
         found.append(
             msgspec.structs.replace(
                 told_arrival(route, outlook, visit, now_ns),
-                scheduled_ns=run.starts_ns + round(scheduled_s * SECOND_NS),
+                scheduled_ns=_promised(run, run.starts_ns + round(scheduled_s * SECOND_NS)),
                 departure_ns=instant_ns(outlook, now_ns, visit.departure_s),
             )
         )
@@ -54,11 +54,16 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
             early_ns=scheduled_ns,
             late_ns=scheduled_ns + late_ns + (end.late_ns - end.arrival_ns),
             departure_ns=scheduled_ns + late_ns + round(stop.dwell_s * SECOND_NS),
-            scheduled_ns=scheduled_ns,
+            scheduled_ns=_promised(run, scheduled_ns),
             trip_id=run.trip.trip_id,
         )
         found.setdefault(stop.stop_id, arrival)
     return tuple(found.values())
+
+
+def _promised(run: Run, scheduled_ns: int) -> int | None:
+    """Null where only the time between two vehicles is promised."""
+    return scheduled_ns if run.is_exact else None
 
 
 def before_the_fork(

@@ -5,6 +5,7 @@ from pathlib import Path
 from zoneinfo import ZoneInfo
 
 from unit.timetable.faulty_feeds import LAT_DEG, LON_DEG, STEP_DEG, good_feed, write_folder
+from wayline.geo import wrap_180
 from wayline.inputs import Tick
 from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress
 from wayline.timetable.calendar import SECOND_NS, instant_ns
@@ -40,12 +41,14 @@ class Ride:
         assignment: str | None = None,
         start: str = "08:00",
         every_s: int = 1,
+        lon_deg: float = LON_DEG,
     ) -> None:
         hours, minutes = (int(part) for part in start.split(":"))
         self.t_ns = instant_ns(DAY, 3600.0 * hours + 60.0 * minutes, BERLIN)
         self._node = timetable_node(runs, Tuning(), assignment)
         self._travelled_m = 0.0
         self._every_s, self._second = every_s, 0
+        self._lon_deg = lon_deg
 
     def at(
         self,
@@ -59,7 +62,7 @@ class Ride:
             t_ns=self.t_ns,
             mode="gps",
             lat_deg=LAT_DEG + north_m / NORTH_M,
-            lon_deg=LON_DEG + east_m / 74_250.0,
+            lon_deg=wrap_180(self._lon_deg + east_m / 74_250.0),
             heading_deg=heading_deg,
             speed_mps=speed_mps,
             distance_m=self._travelled_m,
