@@ -138,13 +138,15 @@ class AvlColumns(Strict, frozen=True, kw_only=True):
 
 
 class AvlSource(Strict, frozen=True, kw_only=True):
-    """`[[avl]]`: position reports of a transit system as CSV."""
+    """`[[avl]]`: position reports of a transit system, as CSV or GTFS-Realtime."""
 
     path: str
-    columns: AvlColumns
+    """A table; without `columns`, recorded vehicle positions: a file, or a folder of them."""
+    columns: AvlColumns | None = None
     timezone: str = "UTC"
     where: Mapping[str, str | int] = {}
-    """Only rows that have these values in these columns."""
+    """Only rows that have these values in these columns; of GTFS-Realtime vehicle_id, label,
+    license_plate, trip_id, route_id."""
 
 
 class Vehicle(Strict, frozen=True, kw_only=True):
@@ -173,9 +175,20 @@ class Vehicle(Strict, frozen=True, kw_only=True):
 
 
 class PathRef(Strict, frozen=True, kw_only=True):
-    """`[route]` and `[truth]`: a file beside the drive."""
+    """`[truth]`: a file beside the drive."""
 
     path: str
+
+
+class RouteRef(Strict, frozen=True, kw_only=True):
+    """`[route]`: the route that a drive follows, or those of which it follows one."""
+
+    path: str | tuple[str, ...]
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """One file or several."""
+        return (self.path,) if isinstance(self.path, str) else self.path
 
 
 class Assignment(Strict, frozen=True, kw_only=True):
@@ -204,6 +217,6 @@ class Drive(Strict, frozen=True, kw_only=True):
     avl: tuple[AvlSource, ...] = ()
     vehicle: Vehicle = msgspec.field(default_factory=Vehicle)
     tuning: Tuning = msgspec.field(default_factory=Tuning)
-    route: PathRef | None = None
+    route: RouteRef | None = None
     truth: PathRef | None = None
     assignment: Assignment | None = None

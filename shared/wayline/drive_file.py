@@ -4,7 +4,7 @@ from pathlib import Path
 
 import msgspec
 
-from wayline.drive import Drive, PathRef
+from wayline.drive import Drive, PathRef, RouteRef
 from wayline.errors import InputError
 from wayline.profile import with_profiles
 from wayline.strict import fitted
@@ -26,9 +26,9 @@ def load_drive(folder: Path) -> Drive:
         if not can.paths:
             raise InputError(f"{path} [[can]] {position}", "path is empty", "name a recording")
 
-    def found(name: str) -> str:
+    def found(name: str, *, may_be_folder: bool = False) -> str:
         resolved = path.parent / name
-        if not resolved.is_file():
+        if not (resolved.is_file() or (may_be_folder and resolved.is_dir())):
             raise InputError(str(path), f"file {name} is missing", "correct the path or add it")
         return str(resolved)
 
@@ -47,7 +47,10 @@ def load_drive(folder: Path) -> Drive:
             )
             for can in drive.can
         ),
-        avl=tuple(replace(avl, path=found(avl.path)) for avl in drive.avl),
-        route=located(drive.route),
+        avl=tuple(
+            replace(avl, path=found(avl.path, may_be_folder=avl.columns is None))
+            for avl in drive.avl
+        ),
+        route=RouteRef(path=tuple(map(found, drive.route.paths))) if drive.route else None,
         truth=located(drive.truth),
     )

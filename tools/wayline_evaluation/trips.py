@@ -17,7 +17,6 @@ from wayline.messages import GpsFix, Progress
 from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
 from wayline_evaluation.estimates import Floats
-from wayline_evaluation.trip_truth import TripTruth
 
 Flags = NDArray[np.bool_]
 
@@ -53,6 +52,17 @@ class TripReport(msgspec.Struct, frozen=True, kw_only=True):
 
     scores: tuple[TripScore, ...]
     pooled: TripScore
+
+
+@dataclass(frozen=True, slots=True)
+class TripTruth:
+    """A vehicle's trips; shape (n,) each, times ascending."""
+
+    times_s: Floats
+    lats_deg: Floats
+    lons_deg: Floats
+    trips: NDArray[np.str_]
+    """Empty while the vehicle runs none."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,9 +13,11 @@ from wayline.route import Route
 from wayline.tuning import Tuning
 from wayline_eta.arrivals import Outlook, predict_arrivals
 from wayline_eta.fix_follower import FixFollower
+from wayline_eta.route_choice import RouteChoice
 from wayline_eta.route_follower import RouteFollower
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.stop_events import StopEvents, of_route
+from wayline_eta.trip_arrivals import before_the_fork
 
 SECOND_NS = 1_000_000_000
 
@@ -87,16 +89,11 @@ def eta_node(routes: Sequence[Route], tuning: Tuning) -> Node:
 
 
 class OnRoutes:
-    """Follows the route that the vehicle is on; while it is on none, all of them.
-
-    The followed route is left only when the vehicle has left it, so routes that share a street
-    do not take turns.
-    """
+    """Follows the route that the vehicle is on, and tells of stops that it surely comes to."""
 
     def __init__(self, routes: Sequence[Route], tuning: Tuning, sightings: Sightings) -> None:
-        self._routes, self._tuning, self._sightings = routes, tuning, sightings
-        self._followers = [RouteFollower(route, tuning) for route in routes]
-        self._current: RouteFollower | None = None
+        self._sightings = sightings
+        self._choice = RouteChoice(routes, tuning)
         self._seen: Sighting | None = None
         """The last one, as long as anything may rest on it."""
         self._is_stale = False
@@ -119,9 +116,9 @@ class OnRoutes:
         seen = self._seen
         if seen is not None and not seen.reported:
             self._follow(seen)
-        if seen is None or self._current is None:
+        if seen is None or self._choice.current is None:
             return [Sleep()]
-        pose, current = seen.pose, self._current
+        pose, current = seen.pose, self._choice.current
         age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
         if age_s <= self._sightings.stale_after_s:
             return self._fresh(current, pose, t_ns)
@@ -134,44 +131,31 @@ class OnRoutes:
 
     def _fresh(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message | Sleep]:
         progress = current.progress(t_ns)
-        arrivals = _arrivals(current.route, current.outlook(t_ns), t_ns, pose.t_ns, stale=False)
+        arrivals = self._told(current, t_ns, pose.t_ns, stale=False)
         return [arrivals] if progress is None else [progress, arrivals]
 
     def _stale(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message]:
         if self._is_stale:
             return []
         self._is_stale = True
-        return [_arrivals(current.route, current.outlook(t_ns), t_ns, pose.t_ns, stale=True)]
+        return [self._told(current, t_ns, pose.t_ns, stale=True)]
 
     def _follow(self, seen: Sighting) -> None:
-        self._choose_by(seen)
-        if self._current is not None:
-            route = self._current.route
-            self.events.note(self._current, route.route_id, of_route(route))
-
-    def _choose_by(self, seen: Sighting) -> None:
         lat_deg, lon_deg = seen.pose.lat_deg, seen.pose.lon_deg
-        if lat_deg is None or lon_deg is None:
-            return
-        current = self._current
+        if lat_deg is not None and lon_deg is not None:
+            self._choice.observe(seen.pose, lat_deg, lon_deg, reported=seen.reported)
+        current = self._choice.current
         if current is not None:
-            current.observe(seen.pose, lat_deg, lon_deg, reported=seen.reported)
-            if current.on_route:
-                return
-        for follower in self._followers:
-            if follower is not current:
-                follower.observe(seen.pose, lat_deg, lon_deg, reported=seen.reported)
-        matching = [follower for follower in self._followers if follower.on_route]
-        if matching:
-            self._choose(min(matching, key=lambda one: (one.ended, one.offset_m)))
+            self.events.note(current, current.route.route_id, of_route(current.route))
 
-    def _choose(self, chosen: RouteFollower) -> None:
-        """Follow one route; the other routes' followers start afresh when they are next asked."""
-        self._current = chosen
-        self._followers = [
-            chosen if chosen.route is route else RouteFollower(route, self._tuning)
-            for route in self._routes
-        ]
+    def _told(
+        self, current: RouteFollower, t_ns: int, position_ns: int, *, stale: bool
+    ) -> Arrivals:
+        """Arrivals up to where a route forks off on which the vehicle may be as well."""
+        outlook = current.outlook(t_ns)
+        arrivals = _arrivals(current.route, outlook, t_ns, position_ns, stale=stale)
+        rivals = [rival.route for rival in self._choice.rivals]
+        return msgspec.structs.replace(arrivals, stops=before_the_fork(arrivals.stops, rivals))
 
 
 class ByFix:

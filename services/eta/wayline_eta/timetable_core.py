@@ -129,7 +129,7 @@ class TimetableEtaCore:
         progress, run = current.follower.progress(t_ns), current.run
         if progress is None:
             return None
-        known = self._choice.is_certain and progress.on_route
+        known = self._choice.is_certain and progress.on_route and run.is_exact
         return msgspec.structs.replace(
             progress,
             route_id=run.pattern.route_id,
@@ -148,7 +148,8 @@ class TimetableEtaCore:
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
         told = trip_arrivals.of_run(run, outlook, t_ns, current.follower.motion)
         if not self._choice.is_certain:
-            return trip_arrivals.before_the_fork(told, self._choice.rivals)
+            rivals = [rival.trip_route.route for rival in self._choice.rivals]
+            return trip_arrivals.before_the_fork(told, rivals)
         return (*told, *trip_arrivals.of_next_run(self._choice.next_run, told))
 
     def _arrivals(

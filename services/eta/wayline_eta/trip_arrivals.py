@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import takewhile
 
 from wayline.messages import LIST_MAX, StopArrival
+from wayline.route import Route
 from wayline.timetable.runs import Run
 from wayline_eta.arrivals import Outlook, predict_visits
 from wayline_eta.expected_motion import ExpectedMotion
@@ -25,7 +26,7 @@ def of_run(
             early_ns=visit.early_ns,
             late_ns=visit.late_ns,
             departure_ns=visit.departure_ns,
-            scheduled_ns=run.starts_ns + round(float(arrivals_s[visit.stop]) * SECOND_NS),
+            scheduled_ns=_promised(run, _planned_ns(run, float(arrivals_s[visit.stop]))),
             confidence="timetable",
         )
         for visit in predict_visits(route, outlook, now_ns, motion)
@@ -57,7 +58,7 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
             early_ns=scheduled_ns,
             late_ns=scheduled_ns + late_ns + (end.late_ns - end.arrival_ns),
             departure_ns=scheduled_ns + late_ns + round(stop.dwell_s * SECOND_NS),
-            scheduled_ns=scheduled_ns,
+            scheduled_ns=_promised(run, scheduled_ns),
             trip_id=run.trip.trip_id,
             confidence="timetable",
         )
@@ -65,7 +66,18 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
     return tuple(found.values())
 
 
-def before_the_fork(told: Sequence[StopArrival], rivals: Sequence[Run]) -> tuple[StopArrival, ...]:
+def _planned_ns(run: Run, time_s: float) -> int:
+    return run.starts_ns + round(time_s * SECOND_NS)
+
+
+def _promised(run: Run, scheduled_ns: int) -> int | None:
+    """Null where only the time between two vehicles is promised."""
+    return scheduled_ns if run.is_exact else None
+
+
+def before_the_fork(
+    told: Sequence[StopArrival], rivals: Sequence[Route]
+) -> tuple[StopArrival, ...]:
     """The arrivals up to the first stop that a rival line does not serve."""
-    served = [{stop.stop_id for stop in run.trip_route.route.stops} for run in rivals]
+    served = [{stop.stop_id for stop in route.stops} for route in rivals]
     return tuple(takewhile(lambda stop: all(stop.stop_id in each for each in served), told))

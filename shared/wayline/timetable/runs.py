@@ -1,6 +1,5 @@
 """Pure: the trips of some feeds as they are run: on a day, from an instant to an instant."""
 
-import itertools
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import NamedTuple
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from wayline.errors import InputError
 from wayline.geo import metres_per_degree
 from wayline.timetable.calendar import SECOND_NS, instant_ns, service_days
-from wayline.timetable.model import Pattern, Timetable, Trip
+from wayline.timetable.model import Frequency, Pattern, Timetable, Trip
 from wayline.timetable.notes import Notes
 from wayline.timetable.trip_route import PatternRoutes, TripRoute
 
@@ -32,6 +31,8 @@ class Run(NamedTuple):
     starts_ns: int
     """Of the plan's zero."""
     trip_route: TripRoute
+    is_exact: bool = True
+    """Whether it is promised at its times; else only the time between two vehicles is."""
 
     @property
     def departs_ns(self) -> int:
@@ -48,7 +49,8 @@ class Run(NamedTuple):
         """Before when the vehicle leaves no stop, shape (stops,); minus infinity where it may."""
         departures_s = self.trip_route.plan.departures_s
         times_ns = self.starts_ns + departures_s * float(SECOND_NS)
-        return np.where(self.trip_route.timepoints, times_ns, -np.inf)
+        waits = np.asarray(self.trip_route.timepoints) & self.is_exact
+        return np.where(waits, times_ns, -np.inf)
 
     def delay_s(self, distance_m: float, t_ns: int) -> float:
         """How late a vehicle is that is so far along at an instant; negative is early.
@@ -148,13 +150,12 @@ class Runs:
         return found
 
     @cached_property
-    def _repeats(self) -> dict[tuple[int, str], list[tuple[int, int, int]]]:
-        found: dict[tuple[int, str], list[tuple[int, int, int]]] = {}
+    def _repeats(self) -> dict[tuple[int, str], list[Frequency]]:
+        found: dict[tuple[int, str], list[Frequency]] = {}
         for place, feed in enumerate(self._feeds):
             for each in feed.frequencies:
                 trip_id = feed.trips[each.trip].trip_id
-                times = (each.start_s, each.end_s, each.headway_s)
-                found.setdefault((place, trip_id), []).append(times)
+                found.setdefault((place, trip_id), []).append(each)
         return found
 
     @cached_property
@@ -175,17 +176,21 @@ class Runs:
         for day in service_days(t_ns, zone, 2 * 86_400.0):
             if not service.runs_on(day):
                 continue
-            for start_s in self._starts_s(feed, trip):
+            for start_s, is_exact in self._starts(feed, trip):
                 starts_ns = instant_ns(day, start_s, zone)
                 if abs(t_ns - starts_ns) <= LONGEST_TRIP_S * SECOND_NS:
                     route = self._route(routes, place, trip)
-                    yield Run(place, routes.pattern, trip, starts_ns, route)
+                    yield Run(place, routes.pattern, trip, starts_ns, route, is_exact)
 
-    def _starts_s(self, feed: int, trip: Trip) -> Sequence[int]:
+    def _starts(self, feed: int, trip: Trip) -> Iterator[tuple[int, bool]]:
+        """When a trip begins on its days, and whether that is promised."""
         repeats = self._repeats.get((feed, trip.trip_id))
         if repeats is None:
-            return (trip.starts_s,)
-        return list(itertools.chain.from_iterable(range(*times) for times in repeats))
+            yield trip.starts_s, True
+            return
+        for each in repeats:
+            for start_s in range(each.start_s, each.end_s, each.headway_s):
+                yield start_s, each.exact
 
     def _route(self, routes: PatternRoutes, place: PatternPlace, trip: Trip) -> TripRoute:
         key = (place, trip.timing)
