@@ -65,7 +65,7 @@ def _timetables(settings: Settings) -> list[Timetable]:
 def _make_node(
     settings: Settings, routes: Sequence[Route], timetables: Sequence[Timetable]
 ) -> MakeNode:
-    """Cores on the configured timetables; without any on the configured routes."""
+    """Cores on the configured timetables, of vehicles that no route is assigned to, or routes."""
     tuning = settings.tuning
     named = {each.vehicle_id: each.route_id for each in settings.assignment}
     if not timetables:
@@ -75,8 +75,13 @@ def _make_node(
     runs = Runs(timetables)
     assigned = {each.vehicle_id: each.name for each in settings.assignment}
 
+    of_routes = {route.route_id for route in routes}
+
     def make(vehicle_id: str, source: str) -> Node:
         del source
+        route_id = named.get(vehicle_id)
+        if route_id in of_routes:
+            return eta_node(assigned_routes(routes, route_id), tuning)
         return timetable_node(runs, tuning, assigned.get(vehicle_id))
 
     return make
