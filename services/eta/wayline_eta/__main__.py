@@ -1,13 +1,14 @@
 """The eta process."""
 
+import datetime as dt
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
 from wayline.database import DatabaseAwayError
+from wayline.host_clock import told_ns
 from wayline.keys import query_key
-from wayline.node import Node
 from wayline.route import Route
 from wayline.seats import MakeNode
 from wayline.service import Service
@@ -17,9 +18,11 @@ from wayline.shell import main as run_shell
 from wayline.timetable.loading import load_timetable, timetable_warnings
 from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
+from wayline.timetable.versions import ended_line
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
 from wayline_eta.core import assigned_routes, eta_node
+from wayline_eta.timetable_answers import TimetableAnswers
 from wayline_eta.timetable_core import timetable_node
 
 NAME = "eta"
@@ -29,7 +32,10 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     del options
     routes = load_routes(settings)
-    make_node = _make_node(settings, routes)
+    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
+    _warn_of(timetables, settings)
+    runs = Runs(timetables) if timetables else None
+    make_node = _make_node(settings, routes, runs)
     board = EtaBoard()
     return Service(
         NAME,
@@ -40,6 +46,7 @@ def build(settings: Settings, options: Namespace) -> Service:
             board,
             routes,
             settings.http_of(NAME),
+            timetables=TimetableAnswers(runs) if runs else None,
             healthz=healthz,
             registry=telemetry.registry,
         ),
@@ -48,28 +55,32 @@ def build(settings: Settings, options: Namespace) -> Service:
                 board, vehicle_id, parameters
             )
         },
+        notice=lambda: ended_line(timetables, _today()),
     )
 
 
-def _make_node(settings: Settings, routes: Sequence[Route]) -> MakeNode:
+def _make_node(settings: Settings, routes: Sequence[Route], runs: Runs | None) -> MakeNode:
     """Cores on the configured timetables; without any on the configured routes."""
     tuning = settings.tuning
-    named = {each.vehicle_id: each.route_id for each in settings.assignment}
-    if not settings.feeds:
+    if runs is None:
+        named = {each.vehicle_id: each.route_id for each in settings.assignment}
         return lambda vehicle_id, _: eta_node(
             assigned_routes(routes, named.get(vehicle_id)), tuning
         )
-    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
-    for warning in timetable_warnings(timetables, [each.name for each in settings.assignment]):
-        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
-    runs = Runs(timetables)
     assigned = {each.vehicle_id: each.name for each in settings.assignment}
+    return lambda vehicle_id, _: timetable_node(runs, tuning, assigned.get(vehicle_id))
 
-    def make(vehicle_id: str, source: str) -> Node:
-        del source
-        return timetable_node(runs, tuning, assigned.get(vehicle_id))
 
-    return make
+def _warn_of(timetables: Sequence[Timetable], settings: Settings) -> None:
+    assigned = [each.name for each in settings.assignment]
+    ended = ended_line(timetables, _today())
+    for warning in (*timetable_warnings(timetables, assigned), *([ended] if ended else ())):
+        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
+
+
+def _today() -> dt.date:
+    """By the host's clock."""
+    return dt.datetime.fromtimestamp(told_ns() * 1e-9, dt.UTC).date()
 
 
 def _loaded(feed: Path, database_url: str | None) -> Timetable:

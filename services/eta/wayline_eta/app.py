@@ -1,9 +1,8 @@
 """Eta's HTTP: routes, vehicles and their arrivals (SPEC section 5)."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from urllib.parse import quote
 
-import msgspec
 from fastapi import FastAPI, Request
 from prometheus_client import CollectorRegistry
 
@@ -16,25 +15,14 @@ from wayline.route import Route
 from wayline.route_file import route_features
 from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
 from wayline_eta.board import ArrivalsParameters, EtaBoard, answer_arrivals
+from wayline_eta.timetable_answers import (
+    RouteSummaries,
+    RouteSummary,
+    TimetableAnswers,
+    TripAnswer,
+)
 
 GEO_JSON = "application/geo+json"
-
-
-class RouteSummary(msgspec.Struct, frozen=True, kw_only=True):
-    """A route and where its GeoJSON is."""
-
-    route_id: str
-    name: str
-    loop: bool
-    length_m: float
-    stops: int
-    href: str
-
-
-class RouteSummaries(msgspec.Struct, frozen=True):
-    """Every route that vehicles may follow."""
-
-    routes: tuple[RouteSummary, ...]
 
 
 def create_eta_app(
@@ -42,6 +30,7 @@ def create_eta_app(
     routes: Iterable[Route],
     settings: HttpSettings,
     *,
+    timetables: TimetableAnswers | None = None,
     healthz: Callable[[], Healthz] | None = None,
     registry: CollectorRegistry | None = None,
 ) -> FastAPI:
@@ -54,12 +43,17 @@ def create_eta_app(
         settings,
         healthz=healthz,
         registry=registry,
-        structs=(RouteSummaries, FeatureCollection, VehicleList, ArrivalList),
+        structs=(RouteSummaries, FeatureCollection, TripAnswer, VehicleList, ArrivalList),
     )
     known_routes = tuple(routes)
-    _add_routes(app, {route.route_id: route for route in known_routes})
+    stop_ids = frozenset(stop.stop_id for route in known_routes for stop in route.stops)
+    if timetables is None:
+        _add_routes(app, {route.route_id: route for route in known_routes})
+    else:
+        _add_timetables(app, timetables)
+        stop_ids = timetables.stop_ids()
     _add_vehicles(app, board)
-    _add_stops(app, board, known_routes)
+    _add_stops(app, board, stop_ids)
     return app
 
 
@@ -78,6 +72,25 @@ def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:
         if route_id not in collections:
             raise QueryError(404, f"no route {route_id}; /v1/routes lists them")
         return JsonAnswer(collections[route_id], media_type=GEO_JSON)
+
+
+def _add_timetables(app: FastAPI, timetables: TimetableAnswers) -> None:
+    # no coroutines: lines are made when they are first asked for, which takes its time
+
+    @app.get("/v1/routes", responses=answers(RouteSummaries), tags=["routes"])
+    def route_list() -> JsonAnswer:
+        """The routes of the timetables."""
+        return JsonAnswer(RouteSummaries(tuple(timetables.summaries())))
+
+    @app.get("/v1/routes/{route_id:path}", responses=_geo_json(), tags=["routes"])
+    def route(route_id: str) -> JsonAnswer:
+        """Lines and stops of a route's patterns as GeoJSON."""
+        return JsonAnswer(timetables.route(route_id), media_type=GEO_JSON)
+
+    @app.get("/v1/trips/{trip_id:path}", responses=answers(TripAnswer), tags=["routes"])
+    def trip(trip_id: str) -> JsonAnswer:
+        """A trip of the timetables with its stops and times."""
+        return JsonAnswer(timetables.trip(trip_id))
 
 
 def _summary(route: Route) -> RouteSummary:
@@ -121,8 +134,7 @@ def _add_vehicles(app: FastAPI, board: EtaBoard) -> None:
         return JsonAnswer(answer_arrivals(board, vehicle_id, request.query_params))
 
 
-def _add_stops(app: FastAPI, board: EtaBoard, routes: Sequence[Route]) -> None:
-    stop_ids = frozenset(stop.stop_id for route in routes for stop in route.stops)
+def _add_stops(app: FastAPI, board: EtaBoard, stop_ids: frozenset[str]) -> None:
 
     @app.get("/v1/stops/{stop_id:path}/arrivals", responses=answers(ArrivalList), tags=["arrivals"])
     async def stop_arrivals(stop_id: str) -> JsonAnswer:
