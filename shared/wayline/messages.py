@@ -265,6 +265,8 @@ class StopArrival(msgspec.Struct, frozen=True, kw_only=True):
     """Of the arrival, by the timetable."""
     trip_id: Text | None = None
     """Where it is of a later trip than the one under way: of the same block."""
+    confidence: Literal["learned", "timetable", "planned"] | None = None
+    """What it rests on: travel times that were learned, a timetable's, a route's planned speeds."""
 
 
 class Arrivals(Message, frozen=True, kw_only=True):
@@ -275,6 +277,8 @@ class Arrivals(Message, frozen=True, kw_only=True):
 
     route_id: Text
     trip_id: Text | None = None
+    headsign: Text | None = None
+    """Where the trip under way goes, as its vehicle shows."""
     stale: bool
     position_ns: TimeNs | None = None
     """Instant of the position that this rests on."""

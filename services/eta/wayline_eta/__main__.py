@@ -22,7 +22,6 @@ from wayline.timetable.versions import ended_line
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
 from wayline_eta.core import assigned_routes, eta_node
-from wayline_eta.timetable_answers import TimetableAnswers
 from wayline_eta.timetable_core import timetable_node
 
 NAME = "eta"
@@ -32,10 +31,8 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     del options
     routes = load_routes(settings)
-    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
-    _warn_of(timetables, settings)
-    runs = Runs(timetables) if timetables else None
-    make_node = _make_node(settings, routes, runs)
+    timetables = _timetables(settings)
+    make_node = _make_node(settings, routes, timetables)
     board = EtaBoard()
     return Service(
         NAME,
@@ -46,7 +43,7 @@ def build(settings: Settings, options: Namespace) -> Service:
             board,
             routes,
             settings.http_of(NAME),
-            timetables=TimetableAnswers(runs) if runs else None,
+            timetables=timetables,
             healthz=healthz,
             registry=telemetry.registry,
         ),
@@ -59,23 +56,29 @@ def build(settings: Settings, options: Namespace) -> Service:
     )
 
 
-def _make_node(settings: Settings, routes: Sequence[Route], runs: Runs | None) -> MakeNode:
+def _timetables(settings: Settings) -> list[Timetable]:
+    """The configured ones, with what a user should know of them said."""
+    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
+    names = [each.name for each in settings.assignment] if timetables else []
+    ended = ended_line(timetables, _today())
+    for warning in (*timetable_warnings(timetables, names), *([ended] if ended else ())):
+        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
+    return timetables
+
+
+def _make_node(
+    settings: Settings, routes: Sequence[Route], timetables: Sequence[Timetable]
+) -> MakeNode:
     """Cores on the configured timetables; without any on the configured routes."""
     tuning = settings.tuning
-    if runs is None:
+    if not timetables:
         named = {each.vehicle_id: each.route_id for each in settings.assignment}
         return lambda vehicle_id, _: eta_node(
             assigned_routes(routes, named.get(vehicle_id)), tuning
         )
+    runs = Runs(timetables)
     assigned = {each.vehicle_id: each.name for each in settings.assignment}
     return lambda vehicle_id, _: timetable_node(runs, tuning, assigned.get(vehicle_id))
-
-
-def _warn_of(timetables: Sequence[Timetable], settings: Settings) -> None:
-    assigned = [each.name for each in settings.assignment]
-    ended = ended_line(timetables, _today())
-    for warning in (*timetable_warnings(timetables, assigned), *([ended] if ended else ())):
-        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
 
 
 def _today() -> dt.date:

@@ -183,8 +183,10 @@ class AlongFilter:
         at_stop = np.abs(places_m - points.totals_m) < 0.1
         usual_s = np.where(at_stop, self._dwells_s(which, points.extras_s), 0.0)
         dwells_s = usual_s + DWELL_STD_S * self._normal()
-        over_s = np.maximum(points.stood_s - usual_s - DWELL_STD_S, 0.0)
-        at_start = at_stop & (points.totals_m <= self._motion.start_m)
+        overdue_s = self._overdue_s(which, t_ns)
+        over_s = np.minimum(points.stood_s - usual_s, overdue_s)
+        over_s = np.maximum(over_s - DWELL_STD_S, 0.0)
+        at_start = at_stop & (points.totals_m <= self._motion.start_m) & np.isinf(overdue_s)
         tail_s = (np.where(at_start, TERMINAL_S, STAND_S) + over_s) * (
             self._even() ** (-1.0 / TAIL) - 1.0
         )
@@ -193,6 +195,12 @@ class AlongFilter:
         stands_s = np.where(at_stop & (rest_s > 0.0), rest_s, tail_s)
         waits_s = np.where(at_stop, self._waits_s(which, np.full(POINTS, float(t_ns))), 0.0)
         return np.maximum(stands_s, waits_s)
+
+    def _overdue_s(self, which: NDArray[np.intp], t_ns: int) -> Floats:
+        """Since the vehicle might leave stops; without end where it always may."""
+        if not len(self._motion.leaves_ns):
+            return np.full(len(which), np.inf)
+        return np.asarray((t_ns - self._motion.leaves_ns[which]) * 1e-9)
 
     def _waits_s(self, which: NDArray[np.intp], times_ns: Floats) -> Floats:
         """Until the vehicle may leave stops, of those that it has come to at instants."""

@@ -9,12 +9,15 @@ from prometheus_client import CollectorRegistry
 from wayline.geojson import FeatureCollection
 from wayline.http import Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
-from wayline.parameters import describe_parameters
+from wayline.parameters import describe_parameters, read_parameters
 from wayline.query_error import QueryError
 from wayline.route import Route
 from wayline.route_file import route_features
+from wayline.timetable.model import Timetable
+from wayline.timetable.runs import Runs
 from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
 from wayline_eta.board import ArrivalsParameters, EtaBoard, answer_arrivals
+from wayline_eta.stop_directory import StopDirectory, StopList, StopsParameters
 from wayline_eta.timetable_answers import (
     RouteSummaries,
     RouteSummary,
@@ -30,7 +33,7 @@ def create_eta_app(
     routes: Iterable[Route],
     settings: HttpSettings,
     *,
-    timetables: TimetableAnswers | None = None,
+    timetables: Iterable[Timetable] = (),
     healthz: Callable[[], Healthz] | None = None,
     registry: CollectorRegistry | None = None,
 ) -> FastAPI:
@@ -43,17 +46,24 @@ def create_eta_app(
         settings,
         healthz=healthz,
         registry=registry,
-        structs=(RouteSummaries, FeatureCollection, TripAnswer, VehicleList, ArrivalList),
+        structs=(
+            RouteSummaries,
+            FeatureCollection,
+            TripAnswer,
+            VehicleList,
+            ArrivalList,
+            StopList,
+        ),
     )
     known_routes = tuple(routes)
-    stop_ids = frozenset(stop.stop_id for route in known_routes for stop in route.stops)
-    if timetables is None:
-        _add_routes(app, {route.route_id: route for route in known_routes})
+    feeds = tuple(timetables)
+    if feeds:
+        # lines of its own: the cores make theirs in another thread
+        _add_timetables(app, TimetableAnswers(Runs(feeds)))
     else:
-        _add_timetables(app, timetables)
-        stop_ids = timetables.stop_ids()
+        _add_routes(app, {route.route_id: route for route in known_routes})
     _add_vehicles(app, board)
-    _add_stops(app, board, stop_ids)
+    _add_stops(app, board, StopDirectory(known_routes, feeds))
     return app
 
 
@@ -134,13 +144,20 @@ def _add_vehicles(app: FastAPI, board: EtaBoard) -> None:
         return JsonAnswer(answer_arrivals(board, vehicle_id, request.query_params))
 
 
-def _add_stops(app: FastAPI, board: EtaBoard, stop_ids: frozenset[str]) -> None:
+def _add_stops(app: FastAPI, board: EtaBoard, stops: StopDirectory) -> None:
+    @app.get(
+        "/v1/stops",
+        responses=answers(StopList),
+        openapi_extra=describe_parameters(StopsParameters),
+        tags=["stops"],
+    )
+    async def stop_list(request: Request) -> JsonAnswer:
+        """The stops, or those near a place, nearest first."""
+        return JsonAnswer(stops.answer(read_parameters(request.query_params, StopsParameters)))
 
     @app.get("/v1/stops/{stop_id:path}/arrivals", responses=answers(ArrivalList), tags=["arrivals"])
     async def stop_arrivals(stop_id: str) -> JsonAnswer:
         """Every vehicle's next arrival at a stop, soonest first."""
-        if stop_id not in stop_ids:
-            raise QueryError(
-                404, f"no route has a stop {stop_id}; the GeoJSON of routes lists them"
-            )
+        if stop_id not in stops:
+            raise QueryError(404, f"no route has a stop {stop_id}; /v1/stops lists them")
         return JsonAnswer(board.stop_arrivals(stop_id))

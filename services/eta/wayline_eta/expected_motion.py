@@ -36,6 +36,8 @@ class ExpectedMotion:
         self._route = route
         if leaves_ns is None:
             leaves_ns = np.full(len(route.stops), -np.inf)
+        self.stop_leaves_ns = leaves_ns
+        """Of every stop of the route, in its order."""
         self.stops_m, self._planned_s, self.leaves_ns = _once(route, leaves_ns)
 
     @property
@@ -88,6 +90,12 @@ class ExpectedMotion:
         if not places_m[0] <= total_m + before_m:
             return None
         return float(places_m[0]), int(which[0])
+
+    def untold_s(self, stop_m: float, from_m: float) -> float:
+        """How much of the planned time from a place to the next stop is not driven."""
+        planned_s = self._route.time_at(np.array([from_m, stop_m]))
+        driven_s = self.driven_s(np.array([from_m, stop_m]))
+        return max(float(np.diff(planned_s)[0] - np.diff(driven_s)[0]), 0.0)
 
     def speed_mps(self, total_m: float) -> float:
         """Planned speed under way, at a distance."""

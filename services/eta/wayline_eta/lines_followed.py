@@ -117,7 +117,7 @@ class LinesFollowed:
     def drive(self, run: Run, *, afresh: bool) -> None:
         """Follow a run's line by that run's plan; afresh where it may have been driven before."""
         if afresh:
-            self._followers.pop(run.pattern_place, None)
+            self._followers[run.pattern_place] = self[run.pattern_place].again()
         self[run.pattern_place].run_as(run.trip_route.route, run.leaves_ns)
         if afresh and self._seen is not None:
             pose, lat_deg, lon_deg, reported = self._seen

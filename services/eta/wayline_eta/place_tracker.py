@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wayline.geo import step_between
 from wayline.messages import Pose
 from wayline.route import Route
 from wayline_eta.candidates import Candidates, locally_nearest
@@ -24,6 +25,7 @@ HEADING_STD_DEG = 30.0
 """How far a vehicle's heading may lie from the line's, in bends and lane changes."""
 OUTLIER = 3.0
 """In sigmas: beyond it a misfit counts in proportion, no longer squared (Huber)."""
+STANDING_MPS = 0.5
 CORRELATION_S = 10.0
 """Errors of position last about so long: poses nearer in time are not new evidence."""
 MOTION_SLACK_M = 5.0
@@ -38,6 +40,10 @@ JUMP_COST = 12.0
 FORGET_COST = 30.0
 EARLIEST_COST = 0.1
 """Lost by the end of the route against its start, so that a tie is a vehicle that sets out."""
+ENDS_COST = 12.0
+"""Lost by a first place at the end of a circular trip: who is seen there first sets out."""
+ENDS_M = 60.0
+"""So near to the end, of a trip that begins as near to it."""
 BEFORE_START_M = 10.0
 """A first place this near to the end of a loop is a vehicle about to start its first lap."""
 UNKNOWN_STD_M = 5.0
@@ -76,6 +82,16 @@ class PlaceTracker:
         self._costs: Floats = np.empty(0)
         self._last: Pose | None = None
 
+    @property
+    def is_circular(self) -> bool:
+        """Whether an open route ends where it begins."""
+        ends = [self._route.line.point_at(at_m)[:2] for at_m in (0.0, self._route.length_m)]
+        return step_between(*ends[0], *ends[1]).distance_m < ENDS_M
+
+    def set_out(self, pose: Pose) -> None:
+        """Begin at the start, wherever else the pose might be."""
+        self._totals_m, self._costs, self._last = np.zeros(1), np.zeros(1), pose
+
     def observe(
         self, pose: Pose, lat_deg: float, lon_deg: float, expected_m: float | None = None
     ) -> Place:
@@ -90,6 +106,8 @@ class PlaceTracker:
         if self._last is None:
             totals_m = self._first_totals(candidates)
             costs = costs + EARLIEST_COST * totals_m / self._route.length_m
+            ends = totals_m > self._route.length_m - ENDS_M
+            costs = costs + np.where(ends & np.any(totals_m < ENDS_M), ENDS_COST, 0.0)
         else:
             moves = self._moves(self._last, pose, expected_m)
             totals_m, moved = self._transition(moves, candidates)
@@ -105,8 +123,11 @@ class PlaceTracker:
         """Misfit of offset and heading, weighed by how much of them is new evidence."""
         std_m = math.hypot(position_std_m(pose, None), LINE_STD_M)
         heading_std_deg = math.hypot(pose.heading_std_deg or 0.0, HEADING_STD_DEG)
-        offset_costs = _huber(np.abs(candidates.offsets_m) / std_m)
-        return _news(self._last, pose) * (offset_costs + _huber(turns_deg / heading_std_deg))
+        costs = _huber(np.abs(candidates.offsets_m) / std_m)
+        stands = pose.speed_mps is not None and abs(pose.speed_mps) < STANDING_MPS
+        if self._last is None or not stands:
+            costs = costs + _huber(turns_deg / heading_std_deg)  # of one that stands it is old
+        return _news(self._last, pose) * costs
 
     def _first_totals(self, candidates: Candidates) -> Floats:
         alongs_m, length_m = candidates.alongs_m, self._route.length_m
@@ -132,8 +153,12 @@ class PlaceTracker:
         if self._route.loop:
             length_m = self._route.length_m
             surplus_m = (surplus_m + length_m / 2.0) % length_m - length_m / 2.0
-        outside_m = np.maximum(np.abs(surplus_m) - (moves.most_m - moves.least_m) / 2.0, 0.0)
+        half_m = (moves.most_m - moves.least_m) / 2.0
+        outside_m = np.abs(surplus_m)
+        if half_m > 0.0:
+            outside_m = np.maximum(outside_m - half_m, 0.0)
         misfit = outside_m / moves.slack_m
+        misfit = np.minimum(misfit, misfit**2)
         costs = self._costs[:, None] + misfit / (1.0 + misfit / JUMP_COST)
         if moves.unlike_cost > 0.0:
             unlike_m = np.abs(middle_m + surplus_m - moves.likely_m)
@@ -176,7 +201,8 @@ def _news(last: Pose | None, pose: Pose) -> float:
 
 def _huber(sigmas: Floats) -> Floats:
     """Negative log likelihood of a misfit in sigmas, forgiving to outliers."""
-    return np.where(sigmas <= OUTLIER, 0.5 * sigmas**2, OUTLIER * sigmas - 0.5 * OUTLIER**2)
+    squared = np.minimum(sigmas, OUTLIER)
+    return np.asarray(squared * (sigmas - 0.5 * squared))
 
 
 def _turns_deg(pose: Pose, candidates: Candidates) -> Floats:

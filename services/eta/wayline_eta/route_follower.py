@@ -72,6 +72,17 @@ class RouteFollower:
         if self._along is not None:
             self._along.run_as(self._motion)
 
+    def again(self) -> "RouteFollower":
+        """A follower for a further trip on the line; a circular one begins where this ended."""
+        follower = RouteFollower(self.route, self._tuning)
+        if self._pose is not None and self._tracker.is_circular:
+            follower.set_out(self._pose)
+        return follower
+
+    def set_out(self, pose: Pose) -> None:
+        """Begin at the start, with the pose that was seen there."""
+        self._tracker.set_out(pose)
+
     @property
     def motion(self) -> ExpectedMotion:
         """How vehicles are expected to move along it."""

@@ -64,10 +64,6 @@ class TimetableAnswers:
     def __init__(self, runs: Runs) -> None:
         self._runs = runs
 
-    def stop_ids(self) -> frozenset[str]:
-        """Every stop of the feeds."""
-        return frozenset(stop.stop_id for feed in self._runs.feeds for stop in feed.stops)
-
     def summaries(self) -> Iterator[RouteSummary]:
         """A route once, whatever feeds have it."""
         told: set[str] = set()

@@ -7,7 +7,15 @@ import msgspec
 
 from wayline.core import Record, Sleep
 from wayline.inputs import Tick
-from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArrival
+from wayline.messages import (
+    TEXT_MAX,
+    Arrivals,
+    GpsFix,
+    Message,
+    Pose,
+    Progress,
+    StopArrival,
+)
 from wayline.node import Node
 from wayline.timetable.runs import Run, Runs
 from wayline.tuning import Tuning
@@ -107,6 +115,10 @@ class TimetableEtaCore:
     def _trip_id(self, run: Run) -> str | None:
         return run.trip.trip_id if self._choice.is_certain else None
 
+    def _headsign(self, run: Run) -> str | None:
+        told = run.trip.headsign[:TEXT_MAX] or None
+        return told if self._choice.is_certain else None
+
     def _direction_id(self, run: Run) -> int | None:
         """Null as long as it may be the other one."""
         told = run.pattern.direction_id
@@ -134,7 +146,7 @@ class TimetableEtaCore:
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
             waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
-        told = trip_arrivals.of_run(run, outlook, t_ns)
+        told = trip_arrivals.of_run(run, outlook, t_ns, current.follower.motion)
         if not self._choice.is_certain:
             rivals = [rival.trip_route.route for rival in self._choice.rivals]
             return trip_arrivals.before_the_fork(told, rivals)
@@ -153,6 +165,7 @@ class TimetableEtaCore:
             t_ns=t_ns,
             route_id=current.run.pattern.route_id,
             trip_id=self._trip_id(current.run),
+            headsign=self._headsign(current.run),
             stale=stale,
             position_ns=position_ns,
             stops=stops,

@@ -3,30 +3,34 @@
 from collections.abc import Sequence
 from itertools import takewhile
 
-import msgspec
-
 from wayline.messages import LIST_MAX, StopArrival
 from wayline.route import Route
 from wayline.timetable.runs import Run
-from wayline_eta.arrivals import Outlook, instant_ns, predict_visits, told_arrival
+from wayline_eta.arrivals import Outlook, predict_visits
+from wayline_eta.expected_motion import ExpectedMotion
 
 SECOND_NS = 1_000_000_000
 
 
-def of_run(run: Run, outlook: Outlook, now_ns: int) -> tuple[StopArrival, ...]:
+def of_run(
+    run: Run, outlook: Outlook, now_ns: int, motion: ExpectedMotion
+) -> tuple[StopArrival, ...]:
     """Predicted arrivals of a run with their scheduled times and the departures that follow."""
-    route, plan = run.trip_route.route, run.trip_route.plan
-    found = []
-    for visit in predict_visits(route, outlook, run.leaves_ns):
-        scheduled_s = float(plan.arrivals_s[visit.stop])
-        found.append(
-            msgspec.structs.replace(
-                told_arrival(route, outlook, visit, now_ns),
-                scheduled_ns=_promised(run, run.starts_ns + round(scheduled_s * SECOND_NS)),
-                departure_ns=instant_ns(outlook, now_ns, visit.departure_s),
-            )
+    route, arrivals_s = run.trip_route.route, run.trip_route.plan.arrivals_s
+    return tuple(
+        StopArrival(
+            stop_id=route.stops[visit.stop].stop_id,
+            name=route.stops[visit.stop].name,
+            distance_m=visit.distance_m,
+            arrival_ns=visit.arrival_ns,
+            early_ns=visit.early_ns,
+            late_ns=visit.late_ns,
+            departure_ns=visit.departure_ns,
+            scheduled_ns=_promised(run, _planned_ns(run, float(arrivals_s[visit.stop]))),
+            confidence="timetable",
         )
-    return tuple(found)
+        for visit in predict_visits(route, outlook, now_ns, motion)
+    )
 
 
 def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArrival, ...]:
@@ -56,9 +60,14 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
             departure_ns=scheduled_ns + late_ns + round(stop.dwell_s * SECOND_NS),
             scheduled_ns=_promised(run, scheduled_ns),
             trip_id=run.trip.trip_id,
+            confidence="timetable",
         )
         found.setdefault(stop.stop_id, arrival)
     return tuple(found.values())
+
+
+def _planned_ns(run: Run, time_s: float) -> int:
+    return run.starts_ns + round(time_s * SECOND_NS)
 
 
 def _promised(run: Run, scheduled_ns: int) -> int | None:

@@ -8,16 +8,14 @@ from fastapi.testclient import TestClient
 from unit.timetable.faulty_feeds import good_feed, write_folder
 from wayline.http_settings import HttpSettings
 from wayline.timetable.reading import read_timetable
-from wayline.timetable.runs import Runs
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard
-from wayline_eta.timetable_answers import TimetableAnswers
 
 
 def client(folder: Path, **changed: str) -> TestClient:
     tables = good_feed() | {f"{name}.txt": text for name, text in changed.items()}
-    runs = Runs([read_timetable(write_folder(tables, folder))])
-    app = create_eta_app(EtaBoard(), [], HttpSettings(), timetables=TimetableAnswers(runs))
+    timetable = read_timetable(write_folder(tables, folder))
+    app = create_eta_app(EtaBoard(), [], HttpSettings(), timetables=[timetable])
     return TestClient(app, base_url="http://localhost")
 
 
