@@ -19,6 +19,8 @@ from wayline.timetable.versions import superseded_days
 Floats = NDArray[np.float64]
 LONGEST_TRIP_S = 6 * 3600
 """After a trip's first time; what begins earlier is not looked for any longer."""
+SLOT_NS = 600 * SECOND_NS
+"""Vehicles ask at every pose which trips there are around: within this the answer is the same."""
 PatternPlace = tuple[int, int]
 """Of a feed, and of a pattern within it."""
 
@@ -91,6 +93,7 @@ class Runs:
         self._superseded = superseded_days(self.feeds)
         self._lines: dict[PatternPlace, PatternRoutes | None] = {}
         self._routes: dict[tuple[PatternPlace, int], TripRoute] = {}
+        self._in_slots: dict[PatternPlace, tuple[int, list[Run]]] = {}
 
     def assigned(self, name: str, t_ns: int) -> list[Run]:
         """The runs of a trip or block around an instant, in the order in which they begin."""
@@ -108,9 +111,14 @@ class Runs:
 
     def of_pattern(self, place: PatternPlace, t_ns: int) -> list[Run]:
         """The runs of a pattern around an instant, in the order in which they begin."""
-        trips = self._of_patterns.get(place, ())
-        runs = [run for trip in trips for run in self._around(place[0], trip, t_ns)]
-        return sorted(runs, key=lambda run: run.departs_ns)
+        slot = t_ns // SLOT_NS
+        known = self._in_slots.get(place)
+        if known is None or known[0] != slot:
+            middle_ns = slot * SLOT_NS + SLOT_NS // 2
+            trips = self._of_patterns.get(place, ())
+            runs = [run for trip in trips for run in self._around(place[0], trip, middle_ns)]
+            known = self._in_slots[place] = slot, sorted(runs, key=lambda run: run.departs_ns)
+        return known[1]
 
     def near(self, lat_deg: float, lon_deg: float, within_m: float) -> list[PatternPlace]:
         """The patterns whose bounding box is within a distance of a place."""
