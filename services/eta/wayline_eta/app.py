@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable
 from urllib.parse import quote
 
-import msgspec
 from fastapi import FastAPI, Request
 from prometheus_client import CollectorRegistry
 
@@ -15,28 +14,18 @@ from wayline.query_error import QueryError
 from wayline.route import Route
 from wayline.route_file import route_features
 from wayline.timetable.model import Timetable
+from wayline.timetable.runs import Runs
 from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
 from wayline_eta.board import ArrivalsParameters, EtaBoard, answer_arrivals
 from wayline_eta.stop_directory import StopDirectory, StopList, StopsParameters
+from wayline_eta.timetable_answers import (
+    RouteSummaries,
+    RouteSummary,
+    TimetableAnswers,
+    TripAnswer,
+)
 
 GEO_JSON = "application/geo+json"
-
-
-class RouteSummary(msgspec.Struct, frozen=True, kw_only=True):
-    """A route and where its GeoJSON is."""
-
-    route_id: str
-    name: str
-    loop: bool
-    length_m: float
-    stops: int
-    href: str
-
-
-class RouteSummaries(msgspec.Struct, frozen=True):
-    """Every route that vehicles may follow."""
-
-    routes: tuple[RouteSummary, ...]
 
 
 def create_eta_app(
@@ -57,12 +46,24 @@ def create_eta_app(
         settings,
         healthz=healthz,
         registry=registry,
-        structs=(RouteSummaries, FeatureCollection, VehicleList, ArrivalList, StopList),
+        structs=(
+            RouteSummaries,
+            FeatureCollection,
+            TripAnswer,
+            VehicleList,
+            ArrivalList,
+            StopList,
+        ),
     )
     known_routes = tuple(routes)
-    _add_routes(app, {route.route_id: route for route in known_routes})
+    feeds = tuple(timetables)
+    if feeds:
+        # lines of its own: the cores make theirs in another thread
+        _add_timetables(app, TimetableAnswers(Runs(feeds)))
+    else:
+        _add_routes(app, {route.route_id: route for route in known_routes})
     _add_vehicles(app, board)
-    _add_stops(app, board, StopDirectory(known_routes, timetables))
+    _add_stops(app, board, StopDirectory(known_routes, feeds))
     return app
 
 
@@ -81,6 +82,25 @@ def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:
         if route_id not in collections:
             raise QueryError(404, f"no route {route_id}; /v1/routes lists them")
         return JsonAnswer(collections[route_id], media_type=GEO_JSON)
+
+
+def _add_timetables(app: FastAPI, timetables: TimetableAnswers) -> None:
+    # no coroutines: lines are made when they are first asked for, which takes its time
+
+    @app.get("/v1/routes", responses=answers(RouteSummaries), tags=["routes"])
+    def route_list() -> JsonAnswer:
+        """The routes of the timetables."""
+        return JsonAnswer(RouteSummaries(tuple(timetables.summaries())))
+
+    @app.get("/v1/routes/{route_id:path}", responses=_geo_json(), tags=["routes"])
+    def route(route_id: str) -> JsonAnswer:
+        """Lines and stops of a route's patterns as GeoJSON."""
+        return JsonAnswer(timetables.route(route_id), media_type=GEO_JSON)
+
+    @app.get("/v1/trips/{trip_id:path}", responses=answers(TripAnswer), tags=["routes"])
+    def trip(trip_id: str) -> JsonAnswer:
+        """A trip of the timetables with its stops and times."""
+        return JsonAnswer(timetables.trip(trip_id))
 
 
 def _summary(route: Route) -> RouteSummary:

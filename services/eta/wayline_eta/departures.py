@@ -10,6 +10,7 @@ from typing import NamedTuple
 from wayline.geo import step_between
 from wayline.timetable.runs import Run, Runs
 from wayline_eta.lines_followed import LinesFollowed
+from wayline_eta.route_follower import RouteFollower
 from wayline_eta.trip_fit import EARLY_S, LATE_S, Followed
 
 LAYOVER_S = 1_800.0
@@ -45,21 +46,22 @@ class Waiting(NamedTuple):
     ) -> Iterator[Followed]:
         """Of every line that begins there the likeliest departure; none for one that is away."""
         for place in list(lines):
-            fitting = [
-                run
-                for run in runs.of_pattern(place, t_ns)
-                if self._may_be(run, t_ns) and lines[place].offset_m <= TERMINAL_M
-            ]
+            if not self._is_where_begins(lines[place]):
+                continue
+            fitting = [run for run in runs.of_pattern(place, t_ns) if self._may_be(run, t_ns)]
             if fitting:
                 best = min(fitting, key=lambda run: self.off_s(run, t_ns, early_counts))
                 yield Followed(best, lines[place])
 
+    def _is_where_begins(self, follower: RouteFollower) -> bool:
+        """Whether a line begins at this terminal, and the vehicle is still near to it."""
+        first = follower.route.stops[0]
+        step = step_between(self.lat_deg, self.lon_deg, first.lat_deg, first.lon_deg)
+        return step.distance_m <= TERMINAL_M and follower.offset_m <= TERMINAL_M
+
     def _may_be(self, run: Run, t_ns: int) -> bool:
-        """Whether a trip begins there, is not over yet, and is not one that came before."""
+        """Whether a trip is not over yet, and none that left before the vehicle can have come."""
         waits_s = (run.departs_ns - t_ns) * 1e-9
         most_s = EARLY_S if self.came_ns is None else LAYOVER_S
-        first = run.trip_route.route.stops[0]
-        step = step_between(self.lat_deg, self.lon_deg, first.lat_deg, first.lon_deg)
         ready_ns = self.planned_ns + round(TURN_S * 1e9)
-        in_time = run.departs_ns >= ready_ns and -LATE_S <= waits_s <= most_s
-        return in_time and step.distance_m <= TERMINAL_M
+        return run.departs_ns >= ready_ns and -LATE_S <= waits_s <= most_s

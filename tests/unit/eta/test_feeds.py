@@ -30,6 +30,19 @@ def test_feeds_make_cores_of_timetables(tmp_path: Path, capsys: pytest.CaptureFi
     assert "[assignment] nobody: no feed has such a trip or block" in said
 
 
+def test_a_calendar_that_has_ended_is_said_at_the_start_and_in_health(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line that names the feed and its last day."""
+    tables = good_feed()
+    tables["calendar.txt"] = tables["calendar.txt"].replace("20261231", "20260131")
+    folder = write_folder(tables, tmp_path)
+    service = build(Settings(vehicles=("*",), feeds=(str(folder),)), Namespace())
+    expected = f"no service runs any longer by {folder} (last day 2026-01-31): name a newer feed"
+    assert service.notice() == expected
+    assert f"warning: {expected}" in capsys.readouterr().err
+
+
 def test_a_database_that_is_away_stops_no_start(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

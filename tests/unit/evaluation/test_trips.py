@@ -83,6 +83,17 @@ def test_a_trip_that_is_told_of_a_vehicle_without_one_is_idle(timetable: Timetab
     assert scored.right_share == 1.0
 
 
+def test_a_layover_is_not_driven(timetable: Timetable) -> None:
+    """A trip that begins where the vehicle is alone is told 60 m later: that is no fault."""
+    of = truth()
+    trips = np.where(np.arange(SECONDS) < 350, "V", "T")
+    told = [progress(second, "T" if second >= 356 else "V") for second in range(SECONDS)]
+    scored = score(TripTruth(of.times_s, of.lats_deg, of.lons_deg, trips), told, timetable)
+    assert scored.alone_share is not None
+    assert scored.alone_share < 1.0
+    assert scored.alone_driven_share == 1.0
+
+
 def test_another_direction_is_counted_in_reports(timetable: Timetable) -> None:
     """From 95 to 165 s: behind the fixes at 80 (its last second), 100, 120 and 140 s."""
     told = [progress(second, None, int(95 <= second < 165)) for second in range(SECONDS)]
