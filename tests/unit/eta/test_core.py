@@ -384,7 +384,7 @@ def test_reports_are_followed_while_fusion_is_away() -> None:
     line: list[Metres] = [(0, 0), (3000, 0)]
     node = eta_node([route_of(line, stops_m=[1000.0, 2000.0])], TUNING)
     told: list[Message] = []
-    for second in range(0, 151):
+    for second in range(151):
         t_ns = START_NS + second * SECOND_NS
         told += node.advance(t_ns)
         if second % 30 == 0:
