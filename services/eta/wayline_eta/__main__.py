@@ -9,6 +9,7 @@ from pathlib import Path
 from wayline.database import DatabaseAwayError
 from wayline.host_clock import told_ns
 from wayline.keys import query_key
+from wayline.node import Node
 from wayline.route import Route
 from wayline.seats import MakeNode
 from wayline.service import Service
@@ -69,16 +70,21 @@ def _timetables(settings: Settings) -> list[Timetable]:
 def _make_node(
     settings: Settings, routes: Sequence[Route], timetables: Sequence[Timetable]
 ) -> MakeNode:
-    """Cores on the configured timetables; without any on the configured routes."""
+    """Cores on the configured timetables, of vehicles that no route is assigned to, or routes."""
     tuning = settings.tuning
-    if not timetables:
-        named = {each.vehicle_id: each.route_id for each in settings.assignment}
-        return lambda vehicle_id, _: eta_node(
-            assigned_routes(routes, named.get(vehicle_id)), tuning
-        )
-    runs = Runs(timetables)
+    named = {each.vehicle_id: each.route_id for each in settings.assignment}
     assigned = {each.vehicle_id: each.name for each in settings.assignment}
-    return lambda vehicle_id, _: timetable_node(runs, tuning, assigned.get(vehicle_id))
+    of_routes = {route.route_id for route in routes}
+    runs = Runs(timetables)
+
+    def make(vehicle_id: str, source: str) -> Node:
+        del source
+        route_id = named.get(vehicle_id)
+        if not timetables or route_id in of_routes:
+            return eta_node(assigned_routes(routes, route_id), tuning)
+        return timetable_node(runs, tuning, assigned.get(vehicle_id))
+
+    return make
 
 
 def _today() -> dt.date:

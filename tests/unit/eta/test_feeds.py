@@ -5,9 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from unit.eta.route_drives import route_of
 from unit.timetable.faulty_feeds import FAULTS, good_feed, write_folder
+from wayline.route_file import write_route
 from wayline.settings import Settings, VehicleAssignment
 from wayline_eta.__main__ import build
+from wayline_eta.core import EtaCore
 from wayline_eta.timetable_core import TimetableEtaCore
 
 
@@ -51,3 +54,20 @@ def test_a_database_that_is_away_stops_no_start(
     )
     build(settings, Namespace())
     assert "is read anew" in capsys.readouterr().err
+
+
+def test_a_vehicle_that_is_assigned_to_a_route_follows_it_whatever_feeds_there_are(
+    tmp_path: Path,
+) -> None:
+    """The others run the timetable's trips."""
+    route = route_of([(0, 0), (1000, 0)], route_id="pier")
+    write_route(route, tmp_path / "route.geojson")
+    settings = Settings(
+        vehicles=("*",),
+        routes=(str(tmp_path / "route.geojson"),),
+        feeds=(str(write_folder(good_feed(), tmp_path / "feed")),),
+        assignment=(VehicleAssignment(vehicle_id="truck", route_id="pier"),),
+    )
+    service = build(settings, Namespace())
+    assert isinstance(service.make_node("truck", "").core, EtaCore)
+    assert isinstance(service.make_node("bus-1", "").core, TimetableEtaCore)
