@@ -1,6 +1,6 @@
 """Eta's HTTP: routes, vehicles and their arrivals (SPEC section 5)."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from urllib.parse import quote
 
 from fastapi import FastAPI, Request
@@ -57,45 +57,29 @@ def create_eta_app(
     )
     known_routes = tuple(routes)
     feeds = tuple(timetables)
-    if feeds:
-        # lines of its own: the cores make theirs in another thread
-        _add_timetables(app, TimetableAnswers(Runs(feeds)))
-    else:
-        _add_routes(app, {route.route_id: route for route in known_routes})
+    # lines of its own: the cores make theirs in another thread
+    _add_routes(app, known_routes, TimetableAnswers(Runs(feeds)))
     _add_vehicles(app, board)
     _add_stops(app, board, StopDirectory(known_routes, feeds))
     return app
 
 
-def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:
-    summaries = RouteSummaries(tuple(_summary(route) for route in routes.values()))
-    collections = {name: FeatureCollection(route_features(it)) for name, it in routes.items()}
+def _add_routes(app: FastAPI, routes: Sequence[Route], timetables: TimetableAnswers) -> None:
+    own = tuple(map(_summary, routes))
+    collections = {route.route_id: FeatureCollection(route_features(route)) for route in routes}
 
-    @app.get("/v1/routes", responses=answers(RouteSummaries), tags=["routes"])
-    async def route_list() -> JsonAnswer:
-        """The routes that vehicles may follow."""
-        return JsonAnswer(summaries)
-
-    @app.get("/v1/routes/{route_id:path}", responses=_geo_json(), tags=["routes"])
-    async def route(route_id: str) -> JsonAnswer:
-        """A route's line and stops as GeoJSON."""
-        if route_id not in collections:
-            raise QueryError(404, f"no route {route_id}; /v1/routes lists them")
-        return JsonAnswer(collections[route_id], media_type=GEO_JSON)
-
-
-def _add_timetables(app: FastAPI, timetables: TimetableAnswers) -> None:
-    # no coroutines: lines are made when they are first asked for, which takes its time
+    # no coroutines: a timetable's lines are made when they are first asked for
 
     @app.get("/v1/routes", responses=answers(RouteSummaries), tags=["routes"])
     def route_list() -> JsonAnswer:
-        """The routes of the timetables."""
-        return JsonAnswer(RouteSummaries(tuple(timetables.summaries())))
+        """The routes that vehicles may follow, of files and of timetables."""
+        return JsonAnswer(RouteSummaries((*own, *timetables.summaries())))
 
     @app.get("/v1/routes/{route_id:path}", responses=_geo_json(), tags=["routes"])
     def route(route_id: str) -> JsonAnswer:
-        """Lines and stops of a route's patterns as GeoJSON."""
-        return JsonAnswer(timetables.route(route_id), media_type=GEO_JSON)
+        """A route's lines and stops as GeoJSON; of a timetable's those of its patterns."""
+        found = collections.get(route_id) or timetables.route(route_id)
+        return JsonAnswer(found, media_type=GEO_JSON)
 
     @app.get("/v1/trips/{trip_id:path}", responses=answers(TripAnswer), tags=["routes"])
     def trip(trip_id: str) -> JsonAnswer:

@@ -28,6 +28,8 @@ TURNED_M = 100.0
 """Where it drives back along its own line, and two fixes have said so: it has turned round."""
 LEFT_FIXES = 2
 """So many fixes behind the first one off its line, and a vehicle may be on another one."""
+ASK_AGAIN_NS = 600 * 1_000_000_000
+"""Between two looks at what the assigned trip or block runs."""
 JOINED_M = 50.0
 """So far along a line, and it counts beside others: a vehicle that stands may point anywhere."""
 
@@ -41,6 +43,8 @@ class TripChoice:
         self._left_since: Progressed | None = None
         """When the vehicle left the present run's line; None while it is on it."""
         self._assignment: str | None = None
+        self._is_assigned, self._ask_again_ns = False, 0
+        """Whether a feed knows it, and when to look again."""
         self._chain: Sequence[Run] = ()
         """The runs that follow each other: of the block, or the one trip."""
         self._current: Run | None = None
@@ -71,13 +75,22 @@ class TripChoice:
         return next((run for run in later if run.departs_ns > ends_ns), None)
 
     def assign(self, name: str | None, t_ns: int) -> None:
-        """Take the trip or block that is told; one that nobody knows tells nothing."""
-        if name is None or name == self._assignment:
+        """Take the trip or block that is told; one that nobody knows tells nothing.
+
+        It is asked for again now and then: the runs of the next day come into sight.
+        """
+        is_news = name != self._assignment
+        if name is None or not (is_news or t_ns >= self._ask_again_ns):
             return
-        self._assignment = name
+        self._assignment, self._ask_again_ns = name, t_ns + ASK_AGAIN_NS
         chain = self._runs.assigned(name, t_ns)
-        if chain:
-            self._chain = chain
+        if is_news:
+            self._is_assigned = False
+        if not chain:
+            return
+        is_known = self._is_assigned and any(is_same(run, self._current) for run in chain)
+        self._chain, self._is_assigned = chain, True
+        if not is_known:
             self._current, self.is_certain, self.rivals = None, True, ()
 
     def count_fix(self) -> None:
@@ -116,10 +129,6 @@ class TripChoice:
 
     def _followed(self, run: Run) -> Followed:
         return Followed(run, self._lines[run.pattern_place])
-
-    @property
-    def _is_assigned(self) -> bool:
-        return self._assignment is not None
 
     @property
     def _has_left(self) -> bool:

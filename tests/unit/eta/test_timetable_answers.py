@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
+from unit.eta.route_drives import route_of
 from unit.timetable.faulty_feeds import good_feed, write_folder
 from wayline.http_settings import HttpSettings
 from wayline.timetable.reading import read_timetable
@@ -36,6 +37,17 @@ def test_a_route_s_geojson_has_its_patterns_and_stops(tmp_path: Path) -> None:
     assert answer.headers["content-type"].startswith("application/geo+json")
     kinds = [feature["geometry"]["type"] for feature in answer.json()["features"]]
     assert kinds == ["LineString", *["Point"] * 5]
+
+
+def test_routes_of_files_are_told_beside_the_feed_s(tmp_path: Path) -> None:
+    """Vehicles may be assigned to either."""
+    feed = read_timetable(write_folder(good_feed(), tmp_path))
+    own = route_of([(0.0, 0.0), (500.0, 0.0)], route_id="shuttle")
+    app = create_eta_app(EtaBoard(), [own], HttpSettings(), timetables=[feed])
+    there = TestClient(app, base_url="http://localhost")
+    listed = there.get("/v1/routes").json()["routes"]
+    assert [route["route_id"] for route in listed] == ["shuttle", "R"]
+    assert all(there.get(route["href"]).status_code == 200 for route in listed)
 
 
 def test_a_trip_has_its_stops_and_times(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Which trip a vehicle runs: lines on a shared street, blocks, layovers, times."""
 
+import datetime as dt
 from pathlib import Path
 
 import pytest
@@ -117,3 +118,26 @@ def test_a_route_that_is_assigned_is_the_only_one_followed() -> None:
     ]
     assert [route.route_id for route in assigned_routes(lines, "B")] == ["B"]
     assert len(assigned_routes(lines, "C")) == len(assigned_routes(lines, None)) == 2
+
+
+def test_an_assignment_holds_on_the_next_day(tmp_path: Path) -> None:
+    """A service goes on for weeks: tomorrow the block's trips are tomorrow's."""
+    ride = Ride(Runs([read_timetable(write_folder(good_feed(), tmp_path))]), "T")
+    for second in range(490):
+        ride.at(min(8.34 * second, 4_003.0))
+    ride.t_ns = instant_ns(DAY + dt.timedelta(days=1), 8 * 3600.0 + 60.0, BERLIN)
+    for second in range(60):
+        told = ride.at(8.34 * second)
+    [progress] = [each for each in told if isinstance(each, Progress)]
+    assert progress.trip_id == "T"
+    assert progress.delay_s == pytest.approx(60.0, abs=5.0)
+
+
+def test_an_unknown_block_does_not_hold_a_vehicle_to_what_was_found(tmp_path: Path) -> None:
+    """It names a block that nobody knows, is found on T, and goes on by Q's line instead."""
+    ride = Ride(two_lines(tmp_path), "nobody")
+    for second in range(250):
+        ride.at(8.34 * second)
+    for second in range(125):
+        told = ride.at(2_001.5, 8.34 * second, heading_deg=90.0)
+    assert trips(told) == ["V"]
