@@ -3,7 +3,6 @@
 import csv
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,18 +19,10 @@ from wayline_evaluation.arrivals import (
     score,
 )
 from wayline_evaluation.replays import Options, Progressed, done_by, drive_name, read_topic
+from wayline_evaluation.trip_study import Job
 from wayline_replay.replay import replay
 
 MEND = "name drives of wayline simulate network"
-
-
-@dataclass(frozen=True, slots=True)
-class Job:
-    """One drive with the feeds of its trips."""
-
-    folder: Path
-    feeds: tuple[Path, ...]
-    keep: Path | None
 
 
 def arrival_study(

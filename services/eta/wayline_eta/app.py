@@ -16,7 +16,12 @@ from wayline.route_file import route_features
 from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
 from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
-from wayline_eta.board import ArrivalsParameters, EtaBoard, answer_arrivals
+from wayline_eta.board import (
+    ArrivalsParameters,
+    EtaBoard,
+    StopArrivalsParameters,
+    answer_arrivals,
+)
 from wayline_eta.stop_directory import StopDirectory, StopList, StopsParameters
 from wayline_eta.timetable_answers import (
     RouteSummaries,
@@ -139,9 +144,15 @@ def _add_stops(app: FastAPI, board: EtaBoard, stops: StopDirectory) -> None:
         """The stops, or those near a place, nearest first."""
         return JsonAnswer(stops.answer(read_parameters(request.query_params, StopsParameters)))
 
-    @app.get("/v1/stops/{stop_id:path}/arrivals", responses=answers(ArrivalList), tags=["arrivals"])
-    async def stop_arrivals(stop_id: str) -> JsonAnswer:
+    @app.get(
+        "/v1/stops/{stop_id:path}/arrivals",
+        responses=answers(ArrivalList),
+        openapi_extra=describe_parameters(StopArrivalsParameters),
+        tags=["arrivals"],
+    )
+    async def stop_arrivals(stop_id: str, request: Request) -> JsonAnswer:
         """Every vehicle's next arrival at a stop, soonest first."""
         if stop_id not in stops:
             raise QueryError(404, f"no route has a stop {stop_id}; /v1/stops lists them")
-        return JsonAnswer(board.stop_arrivals(stop_id))
+        asked = read_parameters(request.query_params, StopArrivalsParameters)
+        return JsonAnswer(board.stop_arrivals(stop_id, asked))

@@ -106,8 +106,9 @@ class PlaceTracker:
         if self._last is None:
             totals_m = self._first_totals(candidates)
             costs = costs + EARLIEST_COST * totals_m / self._route.length_m
-            ends = totals_m > self._route.length_m - ENDS_M
-            costs = costs + np.where(ends & np.any(totals_m < ENDS_M), ENDS_COST, 0.0)
+            if not self._route.loop and np.any(totals_m < ENDS_M):
+                ends = totals_m > self._route.length_m - ENDS_M
+                costs = costs + np.where(ends, ENDS_COST, 0.0)
         else:
             moves = self._moves(self._last, pose, expected_m)
             totals_m, moved = self._transition(moves, candidates)
