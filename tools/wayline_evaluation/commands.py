@@ -210,6 +210,26 @@ def eta_command(
     _tell([eta_table(report)], report, json)
 
 
+@evaluate_app.command("following")
+def following_command(
+    drives: Drives,
+    *,
+    feed: Annotated[list[Path], typer.Option(help="A GTFS feed; may be repeated.")],
+    out: Out = None,
+    json: Json = None,
+    jobs: Jobs = 1,
+) -> None:
+    """How well vehicles are followed along their trips and their arrivals told."""
+    from wayline_evaluation.arrival_study import arrival_study
+    from wayline_evaluation.arrival_table import arrival_table
+    from wayline_evaluation.replays import Options
+
+    check_targets(json, None)
+    with progress() as progressed:
+        report = arrival_study(drives, feed, Options(out=out, jobs=jobs), progressed)
+    _tell([arrival_table(report)], report, json)
+
+
 @evaluate_app.command("slope")
 def slope_command(
     drives: Drives,

@@ -96,7 +96,8 @@ def _run(job: Job) -> EtaRun:
 def _eta(folder: Path, followed: Followed) -> Node:
     """For a receiver that errs by nothing."""
     drive = load_drive(folder)
-    routes = followed.routes or ((Path(drive.route.path),) if drive.route else ())
+    own = drive.route.paths if drive.route else ()
+    routes = followed.routes or tuple(map(Path, own))
     return node(
         ReplayedDrive(
             drive=drive,

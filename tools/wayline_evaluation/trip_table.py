@@ -10,6 +10,7 @@ COLUMNS = (
     "told\n%",
     "right\n%",
     "alone\n%",
+    "driven\n%",
     "later\n%",
     "wrong way\nfixes",
     "idle\n%",
@@ -35,7 +36,13 @@ def trip_table(report: TripReport) -> Table:
             f"{score.seconds:,}",
             *map(
                 _percent,
-                (score.told_share, score.right_share, score.alone_share, score.later_share),
+                (
+                    score.told_share,
+                    score.right_share,
+                    score.alone_share,
+                    score.alone_driven_share,
+                    score.later_share,
+                ),
             ),
             str(score.wrong_way_reports),
             _percent(score.idle_share),

@@ -1,29 +1,16 @@
 """Reads which trip of a timetable a vehicle really ran, from its drive's truth.csv."""
 
 import csv
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wayline.drive_file import load_drive
 from wayline.errors import InputError
-from wayline_evaluation.estimates import Floats
+from wayline_evaluation.trips import TripTruth
 
 NEEDED = ("t_s", "lat_deg", "lon_deg", "trip_id")
 MEND = "name drives of wayline simulate network, or add the columns"
-
-
-@dataclass(frozen=True, slots=True)
-class TripTruth:
-    """A vehicle's trips; shape (n,) each, times ascending."""
-
-    times_s: Floats
-    lats_deg: Floats
-    lons_deg: Floats
-    trips: NDArray[np.str_]
-    """Empty while the vehicle runs none."""
 
 
 def read_trip_truth(folder: Path) -> TripTruth:

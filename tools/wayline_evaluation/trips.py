@@ -1,6 +1,7 @@
 """Pure: how well the trip that a vehicle runs was found, against the trips that it ran.
 
-A second counts where the vehicle is on a trip. It is *alone* once the vehicle has driven
+A second counts where the vehicle is on a trip; it is *driven* once it has set out on that, layovers
+are not. It is *alone* once the vehicle has driven
 `FOLLOWED_M` where no other route runs its way, and *later* from then on to the end of the drive,
 also on streets that lines share.
 """
@@ -17,7 +18,6 @@ from wayline.messages import GpsFix, Progress
 from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
 from wayline_evaluation.estimates import Floats
-from wayline_evaluation.trip_truth import TripTruth
 
 Flags = NDArray[np.bool_]
 
@@ -26,6 +26,7 @@ BESIDE_M = 60.0
 """Another route's line so near is on the same street."""
 SAME_WAY_DEG = 60.0
 LOOKED_EVERY_M = 50.0
+SET_OUT_M = 60.0
 
 
 class TripScore(msgspec.Struct, frozen=True, kw_only=True):
@@ -40,6 +41,8 @@ class TripScore(msgspec.Struct, frozen=True, kw_only=True):
     right_share: float | None
     alone_share: float | None
     """Right while the vehicle was alone."""
+    alone_driven_share: float | None
+    """Right while it was alone and no layover: at its end a trip is known by the next report."""
     later_share: float | None
     """Right from the first such second on."""
     wrong_way_reports: int
@@ -53,6 +56,17 @@ class TripReport(msgspec.Struct, frozen=True, kw_only=True):
 
     scores: tuple[TripScore, ...]
     pooled: TripScore
+
+
+@dataclass(frozen=True, slots=True)
+class TripTruth:
+    """A vehicle's trips; shape (n,) each, times ascending."""
+
+    times_s: Floats
+    lats_deg: Floats
+    lons_deg: Floats
+    trips: NDArray[np.str_]
+    """Empty while the vehicle runs none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +88,7 @@ class TripRun:
     told: Flags
     right: Flags
     alone: Flags
+    driven: Flags
 
 
 def trip_run(
@@ -87,7 +102,9 @@ def trip_run(
     told = _told(truth.times_s, progress)
     on_trip = truth.trips != ""
     right = on_trip & (told.trips == truth.trips)
-    alone = _alone(truth, Streets(timetables)) & on_trip
+    travelled_m = _travelled_m(truth)
+    alone = _alone(truth, travelled_m, Streets(timetables)) & on_trip
+    driven = _driven(truth, travelled_m)
     fixes_s = np.array([fix.t_ns * 1e-9 for fix in fixes if fix.valid])
     directions = {
         trip.trip_id: feed.patterns[trip.pattern].direction_id
@@ -99,10 +116,10 @@ def trip_run(
     score = _score(
         drive,
         every_s=float(np.median(np.diff(fixes_s))) if len(fixes_s) > 1 else 0.0,
-        parts=[(on_trip, told.trips != "", right, alone)],
+        parts=[(on_trip, told.trips != "", right, alone, driven)],
         wrong_way_reports=_longest_of(wrong_way, truth.times_s, fixes_s),
     )
-    return TripRun(score, on_trip, told.trips != "", right, alone)
+    return TripRun(score, on_trip, told.trips != "", right, alone, driven)
 
 
 def pooled(runs: Sequence[TripRun]) -> TripScore:
@@ -110,7 +127,7 @@ def pooled(runs: Sequence[TripRun]) -> TripScore:
     return _score(
         "all",
         every_s=float(np.median([run.score.every_s for run in runs])),
-        parts=[(run.on_trip, run.told, run.right, run.alone) for run in runs],
+        parts=[(run.on_trip, run.told, run.right, run.alone, run.driven) for run in runs],
         wrong_way_reports=max(run.score.wrong_way_reports for run in runs),
     )
 
@@ -155,10 +172,12 @@ def _score(
     drive: str,
     *,
     every_s: float,
-    parts: Sequence[tuple[Flags, Flags, Flags, Flags]],
+    parts: Sequence[tuple[Flags, Flags, Flags, Flags, Flags]],
     wrong_way_reports: int,
 ) -> TripScore:
-    on_trip, told, right, alone = (np.concatenate(each) for each in zip(*parts, strict=True))
+    on_trip, told, right, alone, driven = (
+        np.concatenate(each) for each in zip(*parts, strict=True)
+    )
     later = np.concatenate([np.maximum.accumulate(part[3]) & part[0] for part in parts])
     return TripScore(
         drive=drive,
@@ -167,6 +186,7 @@ def _score(
         told_share=_share(told, on_trip),
         right_share=_share(right, on_trip),
         alone_share=_share(right, alone),
+        alone_driven_share=_share(right, alone & driven),
         later_share=_share(right, later),
         wrong_way_reports=wrong_way_reports,
         idle_share=_share(told, ~on_trip),
@@ -204,12 +224,22 @@ def _longest_of(wrong: Flags, times_s: Floats, fixes_s: Floats) -> int:
     return longest
 
 
-def _alone(truth: TripTruth, streets: Streets) -> Flags:
-    """Whether the vehicle has driven FOLLOWED_M since another route ran its way, or it began."""
+def _travelled_m(truth: TripTruth) -> Floats:
     _, _, steps_m = WGS84.inv(
         truth.lons_deg[:-1], truth.lats_deg[:-1], truth.lons_deg[1:], truth.lats_deg[1:]
     )
-    travelled_m = np.concatenate(([0.0], np.cumsum(steps_m)))
+    return np.concatenate(([0.0], np.cumsum(steps_m)))
+
+
+def _driven(truth: TripTruth, travelled_m: Floats) -> Flags:
+    """Whether the vehicle has driven SET_OUT_M since its trip began."""
+    begins = np.concatenate(([True], truth.trips[1:] != truth.trips[:-1]))
+    since = np.maximum.accumulate(np.where(begins, np.arange(len(begins)), 0))
+    return np.asarray(travelled_m - travelled_m[since] >= SET_OUT_M)
+
+
+def _alone(truth: TripTruth, travelled_m: Floats, streets: Streets) -> Flags:
+    """Whether the vehicle has driven FOLLOWED_M since another route ran its way, or it began."""
     looked = np.flatnonzero(np.diff(travelled_m // LOOKED_EVERY_M, prepend=-1.0) > 0.0)
     shared = [at for at in looked.tolist() if streets.are_shared(truth, at)]
     since = np.zeros(len(travelled_m), dtype=np.intp)

@@ -1,12 +1,13 @@
 """The eta process."""
 
+import datetime as dt
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from wayline.core import Store
 from wayline.database import DatabaseAwayError
+from wayline.host_clock import told_ns
 from wayline.keys import query_key
 from wayline.node import Node
 from wayline.patient_store import PatientStore, Tables
@@ -19,6 +20,7 @@ from wayline.shell import main as run_shell
 from wayline.timetable.loading import load_timetable, timetable_warnings
 from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
+from wayline.timetable.versions import ended_line
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
 from wayline_eta.core import assigned_routes, eta_node
@@ -60,6 +62,7 @@ def build(settings: Settings, options: Namespace) -> Service:
                 board, vehicle_id, parameters
             )
         },
+        notice=lambda: ended_line(timetables, _today()),
     )
 
 
@@ -67,7 +70,8 @@ def _timetables(settings: Settings) -> list[Timetable]:
     """The configured ones, with what a user should know of them said."""
     timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
     names = [each.name for each in settings.assignment] if timetables else []
-    for warning in timetable_warnings(timetables, names):
+    ended = ended_line(timetables, _today())
+    for warning in (*timetable_warnings(timetables, names), *([ended] if ended else ())):
         sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
     return timetables
 
@@ -79,25 +83,27 @@ def _make_node(
     lessons: Lessons,
     store: PatientStore[EtaTables] | None,
 ) -> MakeNode:
-    """Cores on the configured timetables; without any on the configured routes."""
-
-    def kept(vehicle_id: str) -> Store | None:
-        return None if store is None else store.of(vehicle_id)
-
+    """Cores on the configured timetables, of vehicles that no route is assigned to, or routes."""
     tuning = settings.tuning
     named = {each.vehicle_id: each.route_id for each in settings.assignment}
-    if not timetables:
-        return lambda vehicle_id, _: eta_node(
-            assigned_routes(routes, named.get(vehicle_id)), tuning, lessons, kept(vehicle_id)
-        )
-    runs = Runs(timetables)
     assigned = {each.vehicle_id: each.name for each in settings.assignment}
+    of_routes = {route.route_id for route in routes}
+    runs = Runs(timetables)
 
     def make(vehicle_id: str, source: str) -> Node:
         del source
-        return timetable_node(runs, tuning, assigned.get(vehicle_id), lessons, kept(vehicle_id))
+        route_id = named.get(vehicle_id)
+        kept = None if store is None else store.of(vehicle_id)
+        if not timetables or route_id in of_routes:
+            return eta_node(assigned_routes(routes, route_id), tuning, lessons, kept)
+        return timetable_node(runs, tuning, assigned.get(vehicle_id), lessons, kept)
 
     return make
+
+
+def _today() -> dt.date:
+    """By the host's clock."""
+    return dt.datetime.fromtimestamp(told_ns() * 1e-9, dt.UTC).date()
 
 
 def _loaded(feed: Path, database_url: str | None) -> Timetable:

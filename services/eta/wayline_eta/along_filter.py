@@ -265,6 +265,8 @@ class AlongFilter:
         std_m = float(np.std(points.totals_m))
         if np.count_nonzero(stands) * 2 > POINTS:
             stand = Stand(*np.quantile(points.left_s, (0.1, 0.5, 0.9)).tolist())
+            if middle_m >= self._motion.end_m - 0.1:
+                stand = MOVING  # there is nothing that it would be late for
             return Along(middle_m, std_m, 0.0, stand, float(np.median(points.stood_s[stands])))
         pace = float(np.median((points.paces * points.leg_paces)[~stands]))
         return Along(middle_m, std_m, pace * self._motion.speed_mps(middle_m), MOVING, 0.0)

@@ -5,8 +5,6 @@ such a one too (Fenton 1960). What is told is the mean, which is the plan's wher
 yet. The legs of one run are slow or quick together.
 """
 
-import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +13,8 @@ from numpy.typing import NDArray
 from wayline.messages import StopArrival
 from wayline.route import Route
 from wayline_eta.expected_motion import ExpectedMotion
-from wayline_eta.experience import Expected
-from wayline_eta.lessons import Forecasting
+from wayline_eta.lessons import Expectations
+from wayline_eta.ranges import MINUTES
 from wayline_eta.stands import MOVING, Stand
 from wayline_eta.stop_visits import BOARDING_S, next_visits_m
 
@@ -26,6 +24,8 @@ FLOOR_S = 1.0
 RUN_STD = 0.08
 """Of the logarithm of a whole run's time, beside its legs' own."""
 SHORT_S = 1.0
+UNSEEN_STD = 0.2
+"""Of the time to the first stop of a route, in shares of it."""
 UNTOLD_STD_S = 12.0
 """Of what a vehicle stands at a stop, and before lights, where no dwell is planned."""
 UNDER_WAY_M = 30.0
@@ -47,142 +47,175 @@ class Outlook(NamedTuple):
 
 
 class Visit(NamedTuple):
-    """A stop that is still to come: which, where, and seconds until the vehicle is there."""
+    """A stop that is still to come: which, where, and when the vehicle is there."""
 
     stop: int
     distance_m: float
-    arrival_s: float
-    early_s: float
-    late_s: float
-    departure_s: float
-    early_width_s: float
-    """From the model's own p10 to its p50, before forecasts that came have scaled it."""
-    late_width_s: float
-    """From its p50 to its p90."""
     is_learned: bool
     """Somebody has driven the leg there."""
+    arrival_ns: int
+    early_ns: int
+    late_ns: int
+    departure_ns: int
+    early_width_ns: int
+    """From the model's own p10 to what is told, before forecasts that came have scaled it."""
+    late_width_ns: int
+    """From there to its p90."""
 
 
-def predict_arrivals(by: Forecasting, outlook: Outlook, now_ns: int) -> tuple[StopArrival, ...]:
-    """The next arrival at every stop still to come, soonest first, each stop once.
+class Ahead(NamedTuple):
+    """Seconds until each visit and the departure after it, with the arrival's variance."""
 
-    What an outlook older than `now_ns` puts into the past is due now.
-    """
-    return told_arrivals(by.legs.route, outlook, predict_visits(by, outlook), now_ns)
+    arrivals_s: Floats
+    departures_s: Floats
+    variances_s2: Floats
+
+
+def told_arrivals(route: Route, visits: list[Visit]) -> tuple[StopArrival, ...]:
+    """Visits as they are told of a route that no timetable has."""
+    return tuple(
+        StopArrival(
+            stop_id=route.stops[visit.stop].stop_id,
+            name=route.stops[visit.stop].name,
+            distance_m=visit.distance_m,
+            arrival_ns=visit.arrival_ns,
+            early_ns=visit.early_ns,
+            late_ns=visit.late_ns,
+            confidence="learned" if visit.is_learned else "planned",
+        )
+        for visit in visits
+    )
 
 
 def predict_visits(
-    by: Forecasting,
-    outlook: Outlook,
-    leaves_ns: Floats | None = None,
-    motion: ExpectedMotion | None = None,
+    by: Expectations, outlook: Outlook, now_ns: int, motion: ExpectedMotion | None = None
 ) -> list[Visit]:
     """The next visit of every stop still to come, soonest first, each stop once.
 
-    `leaves_ns`, one a stop, is when the vehicle leaves it at the earliest. With its motion the stop
-    that it is under way to is reached before the dwell that the running time there holds.
+    With the motion of a trip its vehicle leaves no stop before its time, and reaches the one that
+    it is under way to before the dwell that the running time there holds. What an outlook older
+    than `now_ns` puts into the past is due now.
     """
-    route = by.legs.route
+    route = by.route
     if not route.stops:
         return []
-    visits_m = next_visits_m(route, outlook.served_m)
-    order = np.argsort(visits_m, kind="stable")
-    order = order[np.isfinite(visits_m[order])]
-    stand = by.stand(outlook)
-    sums = Sums(stand.left_s, (_place_s(route, outlook)) ** 2)
-    found: dict[str, Visit] = {}
-    for position, stop in enumerate(order.tolist()):
-        visit_m = float(visits_m[stop])
-        untold_s = 0.0
-        if position == 0:
-            sums = sums.with_travel(by.rest(stop, outlook.total_m, visit_m, outlook.t_ns))
-            if motion is not None and not by.is_driven(stop):
-                untold_s = _untold_dwell_s(motion, outlook, visit_m)
-        else:
-            sums = sums.with_travel(by.travel(stop, outlook.t_ns, sums.seconds))
-        if motion is not None and motion.is_untold:
-            sums = sums._replace(variance_s2=sums.variance_s2 + UNTOLD_STD_S**2)
-        arrival_s = sums.seconds - untold_s
-        earlier_s, later_s = sums.widths_s(stand)
-        scale = by.ranges.scale(arrival_s)
-        leaves_s = -math.inf if leaves_ns is None else (leaves_ns[stop] - outlook.t_ns) * 1e-9
-        sums = sums.with_dwell(_dwell(by, stop, leaves_s), leaves_s)
-        visit = Visit(
-            stop,
-            max(visit_m - outlook.total_m, 0.0),
-            arrival_s,
-            arrival_s - scale.early * earlier_s,
-            arrival_s + scale.late * later_s,
-            sums.seconds,
-            earlier_s,
-            later_s,
-            by.is_driven(stop),
+    order, visits_m = _stops_ahead(route, outlook.served_m)
+    if not len(order):
+        return []
+    ahead = _times(by, outlook, order, visits_m, motion)
+    earlier_s, later_s = _widths_s(ahead, outlook.stand)
+    span = np.searchsorted(MINUTES, ahead.arrivals_s / 60.0, side="right")
+    told_s = np.array(
+        (
+            ahead.arrivals_s,
+            ahead.arrivals_s - by.early_scales[span] * earlier_s,
+            ahead.arrivals_s + by.late_scales[span] * later_s,
+            ahead.departures_s,
         )
-        found.setdefault(route.stops[stop].stop_id, visit)
+    )
+    rows = zip(
+        order.tolist(),
+        np.maximum(visits_m - outlook.total_m, 0.0).tolist(),
+        by.is_driven[order].tolist(),
+        *_instants_ns(outlook, now_ns, told_s).tolist(),
+        *(np.array((earlier_s, later_s)) * 1e9).astype(np.int64).tolist(),
+        strict=True,
+    )
+    found: dict[str, Visit] = {}
+    for row in rows:
+        visit = Visit(*row)
+        found.setdefault(route.stops[visit.stop].stop_id, visit)
     return list(found.values())
 
 
-class Sums(NamedTuple):
-    """Of the times on the way to a stop: means and variances."""
-
-    seconds: float
-    variance_s2: float
-    travel_s: float = 0.0
-
-    def with_travel(self, travel: Expected) -> "Sums":
-        """At the end of a leg."""
-        return Sums(
-            self.seconds + travel.seconds,
-            self.variance_s2 + travel.variance_s2,
-            self.travel_s + travel.seconds,
-        )
-
-    def with_dwell(self, dwell: Expected, leaves_s: float) -> "Sums":
-        """At the departure, for which a vehicle that is early waits; waits make up for delays."""
-        ready_s, variance_s2 = self.seconds + dwell.seconds, self.variance_s2 + dwell.variance_s2
-        if leaves_s <= ready_s:
-            return Sums(ready_s, variance_s2, self.travel_s)
-        spare = (leaves_s - ready_s) / math.sqrt(variance_s2 + FLOOR_S)
-        return Sums(leaves_s, variance_s2 / (1.0 + spare) ** 2, 0.0)
-
-    def widths_s(self, stand: Stand) -> tuple[float, float]:
-        """How far p10 is below what is told, and p90 above it."""
-        variance_s2 = self.variance_s2 + (RUN_STD * self.travel_s) ** 2
-        seconds = max(self.seconds, SHORT_S)
-        square = (math.sqrt(variance_s2) + FLOOR_S) ** 2 / seconds**2
-        factor = math.exp(NORMAL_P90 * math.sqrt(math.log1p(square)))
-        return (
-            math.hypot(seconds - seconds / factor, stand.left_s - stand.early_s),
-            math.hypot(seconds * factor - seconds, stand.late_s - stand.left_s),
-        )
+def _stops_ahead(route: Route, served_m: float) -> tuple[NDArray[np.intp], Floats]:
+    """The stops still to come, soonest first, and where they are next reached."""
+    places_m = route.stop_distances_m
+    if not route.loop:
+        first = int(np.searchsorted(places_m, served_m, side="right"))
+        return np.arange(first, len(places_m)), places_m[first:]
+    visits_m = next_visits_m(route, served_m)
+    order = np.argsort(visits_m, kind="stable")
+    return order, visits_m[order]
 
 
-def _dwell(by: Forecasting, stop: int, leaves_s: float) -> Expected:
-    """Where vehicles wait for their time, what was seen is mostly that; late ones board."""
-    planned_s = float(by.legs.route.stop_dwells_s[stop])
-    if math.isfinite(leaves_s):
-        return Expected(min(planned_s, BOARDING_S), 0.0)
-    return by.experience.dwell(by.legs.keys[stop], planned_s)
+def _times(
+    by: Expectations,
+    outlook: Outlook,
+    order: NDArray[np.intp],
+    visits_m: Floats,
+    motion: ExpectedMotion | None,
+) -> Ahead:
+    """What is left of the leg under way, then dwells and legs; departures wait for their time."""
+    travels_s, travels_s2 = by.travel_s[order], by.travel_s2[order]
+    travels_s[0], travels_s2[0] = _rest(by, outlook, int(order[0]), float(visits_m[0]))
+    dwells_s, dwells_s2 = by.dwell_s[order], by.dwell_s2[order]
+    begins_s, begins_s2 = outlook.stand.left_s, _place_s(by.route, outlook) ** 2
+    if motion is None:
+        departures_s = begins_s + np.cumsum(travels_s + dwells_s)
+        arrivals_s = departures_s - dwells_s
+        variances_s2 = begins_s2 + np.cumsum(travels_s2 + dwells_s2) - dwells_s2
+        shared_s2 = (RUN_STD * np.cumsum(travels_s)) ** 2
+        return Ahead(arrivals_s, departures_s, variances_s2 + shared_s2)
+    earliest_s = (motion.stop_leaves_ns[order] - outlook.t_ns) * 1e-9
+    # what was seen where vehicles wait for their time is mostly that; late ones board
+    waits = np.isfinite(earliest_s)
+    planned_s = by.route.stop_dwells_s[order]
+    dwells_s = np.where(waits, np.minimum(planned_s, BOARDING_S), dwells_s)
+    if motion.is_untold:
+        travels_s2 = travels_s2 + UNTOLD_STD_S**2
+    ahead = _waiting(
+        (begins_s, begins_s2), (travels_s, travels_s2), (dwells_s, dwells_s2), earliest_s
+    )
+    if not by.is_driven[order[0]]:
+        ahead.arrivals_s[0] -= _untold_dwell_s(motion, outlook, float(visits_m[0]))
+    return ahead
 
 
-def told_arrivals(
-    route: Route, outlook: Outlook, visits: Sequence[Visit], now_ns: int
-) -> tuple[StopArrival, ...]:
-    """Visits as instants."""
-    return tuple(told_arrival(route, outlook, visit, now_ns) for visit in visits)
+def _waiting(
+    begins: tuple[float, float],
+    travels: tuple[Floats, Floats],
+    dwells: tuple[Floats, Floats],
+    earliest_s: Floats,
+) -> Ahead:
+    """Means and variances added up; a vehicle that is early waits, which makes up for delays."""
+    (at_s, at_s2), driven_s = begins, 0.0
+    rows = zip(*(each.tolist() for each in (*travels, *dwells)), earliest_s.tolist(), strict=True)
+    arrivals_s, departures_s, variances_s2 = [], [], []
+    for travel_s, travel_s2, dwell_s, dwell_s2, leaves_s in rows:
+        at_s, at_s2, driven_s = at_s + travel_s, at_s2 + travel_s2, driven_s + travel_s
+        arrivals_s.append(at_s)
+        variances_s2.append(at_s2 + (RUN_STD * driven_s) ** 2)
+        at_s, at_s2 = at_s + dwell_s, at_s2 + dwell_s2
+        if leaves_s > at_s:
+            spare = (leaves_s - at_s) / (variances_s2[-1] + FLOOR_S) ** 0.5
+            at_s, at_s2, driven_s = leaves_s, at_s2 / (1.0 + spare) ** 2, 0.0
+        departures_s.append(at_s)
+    return Ahead(np.array(arrivals_s), np.array(departures_s), np.array(variances_s2))
 
 
-def told_arrival(route: Route, outlook: Outlook, visit: Visit, now_ns: int) -> StopArrival:
-    """A visit as instants."""
-    stop = route.stops[visit.stop]
-    return StopArrival(
-        stop_id=stop.stop_id,
-        name=stop.name,
-        distance_m=visit.distance_m,
-        arrival_ns=instant_ns(outlook, now_ns, visit.arrival_s),
-        early_ns=instant_ns(outlook, now_ns, visit.early_s),
-        late_ns=instant_ns(outlook, now_ns, visit.late_s),
-        confidence="learned" if visit.is_learned else "planned",
+def _rest(by: Expectations, outlook: Outlook, stop: int, visit_m: float) -> tuple[float, float]:
+    """Of the leg under way, by the share of its planned time that is still to go."""
+    ends_s = by.route.time_at(np.array([max(outlook.total_m, 0.0), visit_m]))
+    planned_s, whole_s = max(float(ends_s[1] - ends_s[0]), 0.0), float(by.planned_s[stop])
+    if whole_s <= 0.0:
+        # before the first stop nobody has measured anything
+        return planned_s, (UNSEEN_STD * planned_s) ** 2
+    share = min(planned_s / whole_s, 1.0)
+    return share * float(by.travel_s[stop]), share * float(by.travel_s2[stop])
+
+
+def _widths_s(ahead: Ahead, stand: Stand) -> tuple[Floats, Floats]:
+    """How far p10 is below what is told, and p90 above it."""
+    seconds = np.maximum(ahead.arrivals_s, SHORT_S)
+    square = ((np.sqrt(ahead.variances_s2) + FLOOR_S) / seconds) ** 2
+    factor = np.exp(NORMAL_P90 * np.sqrt(np.log1p(square)))
+    earlier_s, later_s = seconds - seconds / factor, seconds * factor - seconds
+    if stand is MOVING:
+        return earlier_s, later_s
+    return (
+        np.hypot(earlier_s, stand.left_s - stand.early_s),
+        np.hypot(later_s, stand.late_s - stand.left_s),
     )
 
 
@@ -199,6 +232,7 @@ def _place_s(route: Route, outlook: Outlook) -> float:
     return outlook.distance_std_m / max(route.speed_at(within_m), 1.0)
 
 
-def instant_ns(outlook: Outlook, now_ns: int, seconds: float) -> int:
-    """An instant so many seconds after an outlook's; not before now."""
-    return max(outlook.t_ns + math.floor(float(seconds) * 1e9), now_ns)
+def _instants_ns(outlook: Outlook, now_ns: int, seconds: Floats) -> NDArray[np.int64]:
+    """Instants so many seconds after an outlook's; not before now."""
+    after_ns = np.floor(seconds * 1e9).astype(np.int64)
+    return np.asarray(np.maximum(outlook.t_ns + after_ns, now_ns))

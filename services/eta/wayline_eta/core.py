@@ -11,14 +11,16 @@ from wayline.messages import Arrivals, GpsFix, Message, Pose, StopArrival, StopE
 from wayline.node import Node
 from wayline.route import Route
 from wayline.tuning import Tuning
-from wayline_eta.arrivals import predict_arrivals, told_arrivals
+from wayline_eta.arrivals import predict_visits, told_arrivals
 from wayline_eta.fix_follower import FixFollower
 from wayline_eta.forecaster import Forecaster
-from wayline_eta.lessons import Lessons, as_planned, lessons_by
+from wayline_eta.lessons import Expectations, Lessons, as_planned, lessons_by
 from wayline_eta.records import Learned
+from wayline_eta.route_choice import RouteChoice
 from wayline_eta.route_follower import RouteFollower
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.stop_events import StopEvents, of_route
+from wayline_eta.trip_arrivals import before_the_fork
 
 SECOND_NS = 1_000_000_000
 
@@ -102,21 +104,16 @@ def eta_node(
 
 
 class OnRoutes:
-    """Follows the route that the vehicle is on; while it is on none, all of them.
-
-    The followed route is left only when the vehicle has left it, so routes that share a street
-    do not take turns.
-    """
+    """Follows the route that the vehicle is on, and tells of stops that it surely comes to."""
 
     def __init__(
         self, routes: Sequence[Route], tuning: Tuning, sightings: Sightings, lessons: Lessons
     ) -> None:
-        self._routes, self._tuning, self._sightings = routes, tuning, sightings
-        self._lessons = lessons
-        self._followers = [RouteFollower(route, tuning) for route in routes]
-        self._current: RouteFollower | None = None
+        self._sightings, self._lessons = sightings, lessons
+        self._choice = RouteChoice(routes, tuning)
         self._forecaster: Forecaster | None = None
-        """Of the current route."""
+        self._forecast: RouteFollower | None = None
+        """The follower of the route that it is of."""
         self._seen: Sighting | None = None
         """The last one, as long as anything may rest on it."""
         self._is_stale = False
@@ -131,11 +128,13 @@ class OnRoutes:
                 self._follow(sighting)
 
     def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
-        """What the vehicle has taught by what it did at the stops of its route."""
-        if self._current is None or self._forecaster is None:
+        """What the vehicle has taught by what it did at the stops of its route, once it is sure."""
+        current = self._choice.current
+        if current is None or self._choice.rivals:
             return []
-        route_id = self._current.route.route_id
-        return self._forecaster.learn([each for each in happened if each.route_id == route_id])
+        route_id = current.route.route_id
+        events = [each for each in happened if each.route_id == route_id]
+        return self._forecaster_of(current).learn(events)
 
     def tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
         """Progress and arrivals at a whole second while the vehicle is seen.
@@ -146,9 +145,9 @@ class OnRoutes:
         seen = self._seen
         if seen is not None and not seen.reported:
             self._follow(seen)
-        if seen is None or self._current is None:
+        if seen is None or self._choice.current is None:
             return [Sleep()]
-        pose, current = seen.pose, self._current
+        pose, current = seen.pose, self._choice.current
         age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
         if age_s <= self._sightings.stale_after_s:
             return self._fresh(current, pose, t_ns)
@@ -161,48 +160,39 @@ class OnRoutes:
 
     def _fresh(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message | Sleep]:
         progress = current.progress(t_ns)
-        stops = self._stops(current, t_ns)
-        arrivals = _arrivals(current.route, stops, t_ns, pose.t_ns, stale=False)
+        arrivals = self._told(current, t_ns, pose.t_ns, stale=False)
         return [arrivals] if progress is None else [progress, arrivals]
-
-    def _stops(self, current: RouteFollower, t_ns: int) -> tuple[StopArrival, ...]:
-        outlook = current.outlook(t_ns)
-        if outlook is None or self._forecaster is None:
-            return ()
-        return told_arrivals(current.route, outlook, self._forecaster.visits(outlook), t_ns)
 
     def _stale(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message]:
         if self._is_stale:
             return []
         self._is_stale = True
-        return [_arrivals(current.route, self._stops(current, t_ns), t_ns, pose.t_ns, stale=True)]
+        return [self._told(current, t_ns, pose.t_ns, stale=True)]
 
     def _follow(self, seen: Sighting) -> None:
-        self._choose_by(seen)
-        if self._current is not None:
-            route = self._current.route
-            self.events.note(self._current, route.route_id, of_route(route))
-
-    def _choose_by(self, seen: Sighting) -> None:
         lat_deg, lon_deg = seen.pose.lat_deg, seen.pose.lon_deg
-        if lat_deg is None or lon_deg is None:
-            return
-        current = self._current
+        if lat_deg is not None and lon_deg is not None:
+            self._choice.observe(seen.pose, lat_deg, lon_deg, reported=seen.reported)
+        current = self._choice.current
         if current is not None:
-            current.observe(seen.pose, lat_deg, lon_deg, reported=seen.reported)
-            if current.on_route:
-                return
-        for follower in self._followers:
-            if follower is not current:
-                follower.observe(seen.pose, lat_deg, lon_deg, reported=seen.reported)
-        matching = [follower for follower in self._followers if follower.on_route]
-        if matching:
-            self._choose(min(matching, key=lambda one: (one.ended, one.offset_m)))
+            self.events.note(current, current.route.route_id, of_route(current.route))
 
-    def _choose(self, chosen: RouteFollower) -> None:
-        """Follow one route; the other routes' followers start afresh when they are next asked."""
-        if self._current is not chosen:
-            route = chosen.route
+    def _told(
+        self, current: RouteFollower, t_ns: int, position_ns: int, *, stale: bool
+    ) -> Arrivals:
+        """Arrivals up to where a route forks off on which the vehicle may be as well."""
+        outlook = current.outlook(t_ns)
+        stops: tuple[StopArrival, ...] = ()
+        if outlook is not None:
+            visits = self._forecaster_of(current).visits(outlook, t_ns)
+            rivals = [rival.route for rival in self._choice.rivals]
+            stops = before_the_fork(told_arrivals(current.route, visits), rivals)
+        return _arrivals(current.route, stops, t_ns, position_ns, stale=stale)
+
+    def _forecaster_of(self, current: RouteFollower) -> Forecaster:
+        if self._forecaster is None or self._forecast is not current:
+            route = current.route
+            self._forecast = current
             self._forecaster = Forecaster(
                 route,
                 self._lessons,
@@ -210,11 +200,7 @@ class OnRoutes:
                 plan=route.route_id,
                 sequences=range(1, len(route.stops) + 1),
             )
-        self._current = chosen
-        self._followers = [
-            chosen if chosen.route is route else RouteFollower(route, self._tuning)
-            for route in self._routes
-        ]
+        return self._forecaster
 
 
 class ByFix:
@@ -224,6 +210,7 @@ class ByFix:
         self._routes, self._tuning = routes, tuning
         self._follower: FixFollower | None = None
         self._source: str | None = None
+        self._planned: Expectations | None = None
 
     def follow(self, fix: GpsFix, source: str) -> list[Message]:
         """Progress and arrivals for one row, from the first fix with a position on."""
@@ -232,6 +219,7 @@ class ByFix:
             if route is None:
                 return []
             self._follower, self._source = FixFollower(route, self._tuning), source
+            self._planned = as_planned(route)
         if source != self._source:
             return []
         self._follower.observe(fix)
@@ -242,9 +230,14 @@ class ByFix:
         forgotten = age_s > self._tuning.eta_forget_after_s
         outlook = None if forgotten else self._follower.outlook()
         stale = age_s > self._tuning.eta_stale_after_s
-        route, known_ns, t_ns = self._follower.route, self._follower.known_ns, progress.t_ns
-        stops = predict_arrivals(as_planned(route), outlook, t_ns) if outlook else ()
-        return [progress, _arrivals(route, stops, t_ns, known_ns, stale=stale)]
+        known_ns = self._follower.known_ns
+        stops: tuple[StopArrival, ...] = ()
+        if outlook is not None and self._planned is not None:
+            stops = told_arrivals(
+                self._follower.route, predict_visits(self._planned, outlook, progress.t_ns)
+            )
+        route = self._follower.route
+        return [progress, _arrivals(route, stops, progress.t_ns, known_ns, stale=stale)]
 
     def _nearest_route(self, fix: GpsFix) -> Route | None:
         lat_deg, lon_deg = fix.lat_deg, fix.lon_deg

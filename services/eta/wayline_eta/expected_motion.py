@@ -36,6 +36,8 @@ class ExpectedMotion:
         self._route = route
         if leaves_ns is None:
             leaves_ns = np.full(len(route.stops), -np.inf)
+        self.stop_leaves_ns = leaves_ns
+        """Of every stop of the route, in its order."""
         self.stops_m, self._planned_s, self.leaves_ns = _once(route, leaves_ns)
 
     @property

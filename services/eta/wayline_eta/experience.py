@@ -120,10 +120,9 @@ class Experience:
         """Whether anybody has taught of a leg."""
         return self._known(leg).weight > 0.0
 
-    def known_dwell_s(self, stop: str, least_runs: float) -> float | None:
-        """The mean of the dwells that were seen at a stop; None of too few."""
-        known = self._dwell.get(stop)
-        return known.mean if known is not None and known.weight >= least_runs else None
+    def dwells_seen(self, stop: str) -> float:
+        """How many dwells at a stop have taught, those of long ago for less."""
+        return self._dwell[stop].weight if stop in self._dwell else 0.0
 
     def _usual(self, leg: str, plan: str, t_ns: int) -> tuple[float, float]:
         """The logarithm of taken over planned, and its variance for one run."""

@@ -5,13 +5,19 @@ from collections.abc import Sequence
 from wayline.messages import StopEvent
 from wayline.route import Route
 from wayline_eta import leg_times
-from wayline_eta.arrivals import Floats, Outlook, Visit, predict_visits
+from wayline_eta.arrivals import Outlook, Visit, predict_visits
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.forecasts import Forecast, Forecasts
 from wayline_eta.leg_times import LegTimes
 from wayline_eta.legs import Legs
-from wayline_eta.lessons import Forecasting, Lessons
+from wayline_eta.lessons import Expectations, Lessons, expectations
 from wayline_eta.records import Came, Learned, Taken
+from wayline_eta.stands import Stand, goes_on
+
+RENEWED_NS = 10_000_000_000
+"""What others teach is taken up so often, and at once after each stop of one's own."""
+DWELLS_SEEN = 2.0
+"""At a stop, before they count for a vehicle that stands there."""
 
 
 class Forecaster:
@@ -27,24 +33,20 @@ class Forecaster:
         self._legs, self._lessons, self._plan = Legs(route, scope), lessons, plan
         self._times = LegTimes(self._legs, list(sequences))
         self._forecasts = Forecasts()
+        self._expected: Expectations | None = None
+        self._renewed_ns = 0
 
     def visits(
-        self,
-        outlook: Outlook,
-        leaves_ns: Floats | None = None,
-        motion: ExpectedMotion | None = None,
+        self, outlook: Outlook, now_ns: int, motion: ExpectedMotion | None = None
     ) -> list[Visit]:
         """The visits still to come; they are remembered until they have."""
-        visits = predict_visits(self._by(outlook.t_ns), outlook, leaves_ns, motion)
-        for visit in visits:
-            if visit.arrival_s > 0.0:
-                forecast = Forecast(
-                    outlook.t_ns,
-                    outlook.t_ns + round(visit.arrival_s * 1e9),
-                    round(visit.early_width_s * 1e9),
-                    round(visit.late_width_s * 1e9),
-                )
-                self._forecasts.make(visit.stop, forecast)
+        by = self._expectations(now_ns)
+        outlook = outlook._replace(stand=self._stand(by, outlook, motion))
+        visits = predict_visits(by, outlook, now_ns, motion)
+        if self._forecasts.is_due(now_ns):
+            for visit in visits:
+                width_ns = visit.early_width_ns, visit.late_width_ns
+                self._forecasts.make(visit.stop, Forecast(now_ns, visit.arrival_ns, *width_ns))
         return visits
 
     def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
@@ -55,17 +57,23 @@ class Forecaster:
             if taken is not None:
                 learned.append(self._learned(taken))
                 self._lessons.learn(learned[-1])
+                self._expected = None
         return learned
 
-    def _by(self, t_ns: int) -> Forecasting:
-        lessons = self._lessons
-        return Forecasting(
-            self._legs,
-            self._plan,
-            lessons.experience,
-            lessons.ranges_of(self._plan),
-            self._times.stands(t_ns),
-        )
+    def _expectations(self, t_ns: int) -> Expectations:
+        if self._expected is None or t_ns - self._renewed_ns >= RENEWED_NS:
+            self._expected = expectations(self._lessons, self._legs, self._plan, t_ns)
+            self._renewed_ns = t_ns
+        return self._expected
+
+    def _stand(self, by: Expectations, outlook: Outlook, motion: ExpectedMotion | None) -> Stand:
+        """How long it will still stand: at a stop without a time as long as others have stood."""
+        stands = self._times.stands(outlook.t_ns)
+        if stands is None or motion is not None or by.dwells_seen[stands[0]] < DWELLS_SEEN:
+            return outlook.stand
+        stop, stood_s = stands
+        dwell_s = float(by.dwell_s[stop])
+        return goes_on(max(stood_s - dwell_s, 0.0)).at_least(max(dwell_s - stood_s, 0.0))
 
     def _learned(self, driven: leg_times.Taken) -> Learned:
         leg, stop = driven.leg, self._legs.keys[driven.stop]

@@ -1,12 +1,12 @@
 """Pure: what was forecast of a vehicle's arrivals, kept until each has come."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from wayline_eta.ranges import span_of
 
 EVERY_NS = 60_000_000_000
-"""Of a stop one forecast a minute is remembered."""
+"""One forecast a minute of each stop is remembered."""
 KEPT_MAX = 64
 """Forecasts of one stop; who is forecast for longer is scored by the last hour."""
 
@@ -35,12 +35,16 @@ class Forecasts:
 
     def __init__(self) -> None:
         self._made: dict[int, list[Forecast]] = {}
+        self._last_ns = 0
+
+    def is_due(self, t_ns: int) -> bool:
+        """Whether a minute has passed since forecasts were last remembered."""
+        return t_ns - self._last_ns >= EVERY_NS
 
     def make(self, stop: int, forecast: Forecast) -> None:
-        """Remember a forecast, if a minute has passed since the last one of that stop."""
+        """Remember a forecast of a stop."""
+        self._last_ns = forecast.made_ns
         made = self._made.setdefault(stop, [])
-        if made and forecast.made_ns - made[-1].made_ns < EVERY_NS:
-            return
         if len(made) == KEPT_MAX:
             del made[0]
         made.append(forecast)
@@ -53,8 +57,3 @@ class Forecasts:
             ahead_s = (arrived_ns - made.made_ns) * 1e-9
             if ahead_s > 0.0:
                 yield Came(made.made_ns, span_of(ahead_s), off_ns / max(width_ns, 1))
-
-    def forget(self, stops: Sequence[int] | None = None) -> None:
-        """What was forecast will not come: the vehicle has left the route, or its trip."""
-        for stop in list(self._made) if stops is None else stops:
-            self._made.pop(stop, None)

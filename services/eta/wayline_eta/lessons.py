@@ -1,31 +1,21 @@
 """Pure: what all vehicles of a process have learned, and what it says of one route."""
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from wayline.route import Route
 from wayline.timetable.model import Timetable
 from wayline_eta.experience import Expected, Experience
-from wayline_eta.legs import SHORTEST_S, Leg, Legs
+from wayline_eta.legs import Legs
 from wayline_eta.ranges import Ranges
 from wayline_eta.records import Came, Learned, Taken
-from wayline_eta.stands import Stand, goes_on
 
-KNOWN_RUNS = 2.0
-"""Dwells that were seen at a stop, before they count for a vehicle that stands there."""
-
-
-class Standing(Protocol):
-    """What is known of a vehicle, as `Forecasting` needs it."""
-
-    @property
-    def stand(self) -> Stand:
-        """How long it will stand by the plan."""
-        ...
+Floats = NDArray[np.float64]
 
 
 class Lessons:
@@ -53,53 +43,65 @@ class Lessons:
             self.ranges_of(kept.plan).learn(kept.span, kept.off)
 
 
-class Forecasting(NamedTuple):
-    """By what the arrivals of one vehicle on one route are predicted."""
+class Expectations(NamedTuple):
+    """What is expected on one route from an instant on; one number a stop, shape (stops,)."""
 
-    legs: Legs
-    plan: str
-    """Whose times the legs' are: a route, or a line of a timetable."""
-    experience: Experience
-    ranges: Ranges
-    stands: tuple[int, float] | None = None
-    """The stop at which the vehicle stands, and for how long, in seconds."""
-
-    def travel(self, stop: int, t_ns: int, ahead_s: float) -> Expected:
-        """Of the whole leg to a stop, begun so long after an instant."""
-        leg = self.legs.to(stop)
-        if leg is None:
-            return Expected(0.0, 0.0)
-        return self.experience.travel(leg, self.plan, t_ns, ahead_s)
-
-    def is_driven(self, stop: int) -> bool:
-        """Whether anybody has driven the leg to a stop."""
-        leg = self.legs.to(stop)
-        return leg is not None and self.experience.is_driven(leg.key)
-
-    def rest(self, stop: int, here_m: float, stop_m: float, t_ns: int) -> Expected:
-        """Of the leg under way to a stop, by the share of its planned time still to go."""
-        ends_s = self.legs.route.time_at(np.array([max(here_m, 0.0), stop_m]))
-        planned_s = max(float(ends_s[1] - ends_s[0]), 0.0)
-        leg = self.legs.to(stop) or Leg("", max(planned_s, SHORTEST_S))
-        whole = self.experience.travel(leg, self.plan, t_ns)
-        share = min(planned_s / leg.planned_s, 1.0)
-        return Expected(whole.seconds * share, whole.variance_s2 * share)
-
-    def stand(self, outlook: Standing) -> Stand:
-        """How long the vehicle will still stand, by what others have stood at its stop."""
-        if self.stands is None:
-            return outlook.stand
-        stop, stood_s = self.stands
-        dwell_s = self.experience.known_dwell_s(self.legs.keys[stop], KNOWN_RUNS)
-        if dwell_s is None:
-            return outlook.stand
-        return goes_on(max(stood_s - dwell_s, 0.0)).at_least(max(dwell_s - stood_s, 0.0))
+    route: Route
+    planned_s: Floats
+    """Of the leg to each stop; 0 to the first of an open route."""
+    travel_s: Floats
+    travel_s2: Floats
+    """Its variance."""
+    dwell_s: Floats
+    dwell_s2: Floats
+    dwells_seen: Floats
+    """How many were, those of long ago for less."""
+    is_driven: NDArray[np.bool_]
+    """Whether anybody has driven the leg to it."""
+    early_scales: Floats
+    """Of a range's half widths, one a span of minutes ahead (`ranges`)."""
+    late_scales: Floats
 
 
-def as_planned(route: Route) -> Forecasting:
+def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectations:
+    """What has been learned of a route's legs, for a vehicle that is on it now.
+
+    A leg that is begun later is expected as it will be then.
+    """
+    experience, stops = lessons.experience, legs.route.stops
+    travels, dwells, ahead_s = [], [], 0.0
+    for at, stop in enumerate(stops):
+        leg = legs.to(at)
+        expected = Expected(0.0, 0.0)
+        if leg is not None:
+            expected = experience.travel(leg, plan, t_ns, ahead_s)
+        travels.append(expected)
+        dwells.append(experience.dwell(legs.keys[at], stop.dwell_s))
+        ahead_s += expected.seconds + dwells[-1].seconds
+    known = [legs.to(at) for at in range(len(stops))]
+    scales = lessons.ranges_of(plan).scales()
+    travel_s, travel_s2 = np.array(travels, dtype=np.float64).reshape(-1, 2).T
+    dwell_s, dwell_s2 = np.array(dwells, dtype=np.float64).reshape(-1, 2).T
+    return Expectations(
+        route=legs.route,
+        planned_s=np.array([0.0 if leg is None else leg.planned_s for leg in known]),
+        travel_s=travel_s,
+        travel_s2=travel_s2,
+        dwell_s=dwell_s,
+        dwell_s2=dwell_s2,
+        dwells_seen=np.array([experience.dwells_seen(key) for key in legs.keys]),
+        is_driven=np.array(
+            [leg is not None and experience.is_driven(leg.key) for leg in known], dtype=np.bool_
+        ),
+        early_scales=np.array([scale.early for scale in scales]),
+        late_scales=np.array([scale.late for scale in scales]),
+    )
+
+
+def as_planned(route: Route) -> Expectations:
     """By the plan alone, as when nobody has driven yet."""
-    experience = Experience(ZoneInfo("UTC"), is_timetable=False)
-    return Forecasting(Legs(route, route.route_id), route.route_id, experience, Ranges())
+    lessons = lessons_by(())
+    return expectations(lessons, Legs(route, route.route_id), route.route_id, 0)
 
 
 def lessons_by(timetables: Sequence[Timetable]) -> Lessons:

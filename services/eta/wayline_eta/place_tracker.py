@@ -106,8 +106,9 @@ class PlaceTracker:
         if self._last is None:
             totals_m = self._first_totals(candidates)
             costs = costs + EARLIEST_COST * totals_m / self._route.length_m
-            ends = totals_m > self._route.length_m - ENDS_M
-            costs = costs + np.where(ends & np.any(totals_m < ENDS_M), ENDS_COST, 0.0)
+            if not self._route.loop and np.any(totals_m < ENDS_M):
+                ends = totals_m > self._route.length_m - ENDS_M
+                costs = costs + np.where(ends, ENDS_COST, 0.0)
         else:
             moves = self._moves(self._last, pose, expected_m)
             totals_m, moved = self._transition(moves, candidates)
@@ -153,9 +154,12 @@ class PlaceTracker:
         if self._route.loop:
             length_m = self._route.length_m
             surplus_m = (surplus_m + length_m / 2.0) % length_m - length_m / 2.0
-        outside_m = np.maximum(np.abs(surplus_m) - (moves.most_m - moves.least_m) / 2.0, 0.0)
+        half_m = (moves.most_m - moves.least_m) / 2.0
+        outside_m = np.abs(surplus_m)
+        if half_m > 0.0:
+            outside_m = np.maximum(outside_m - half_m, 0.0)
         misfit = outside_m / moves.slack_m
-        misfit = np.where(misfit < 1.0, misfit**2, misfit)
+        misfit = np.minimum(misfit, misfit**2)
         costs = self._costs[:, None] + misfit / (1.0 + misfit / JUMP_COST)
         if moves.unlike_cost > 0.0:
             unlike_m = np.abs(middle_m + surplus_m - moves.likely_m)
@@ -198,7 +202,8 @@ def _news(last: Pose | None, pose: Pose) -> float:
 
 def _huber(sigmas: Floats) -> Floats:
     """Negative log likelihood of a misfit in sigmas, forgiving to outliers."""
-    return np.where(sigmas <= OUTLIER, 0.5 * sigmas**2, OUTLIER * sigmas - 0.5 * OUTLIER**2)
+    squared = np.minimum(sigmas, OUTLIER)
+    return np.asarray(squared * (sigmas - 0.5 * squared))
 
 
 def _turns_deg(pose: Pose, candidates: Candidates) -> Floats:

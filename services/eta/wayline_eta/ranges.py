@@ -49,14 +49,18 @@ class Ranges:
         offs.append(off)
         bisect.insort(ranked, off)
 
-    def scale(self, ahead_s: float) -> Scale:
-        """What a range so far ahead is to be scaled by."""
-        ranked = self._ranked[span_of(ahead_s)]
-        held = len(ranked) / (len(ranked) + BELIEVED)
-        return Scale(
-            _bounded(held * -_quantile(ranked, SHARE) + 1.0 - held),
-            _bounded(held * _quantile(ranked, 1.0 - SHARE) + 1.0 - held),
-        )
+    def scales(self) -> list[Scale]:
+        """What the ranges of each span are to be scaled by."""
+        return list(map(_scale, self._ranked))
+
+
+def _scale(ranked: list[float]) -> Scale:
+    """By the forecasts of one span that have come, in rising order."""
+    held = len(ranked) / (len(ranked) + BELIEVED)
+    return Scale(
+        _bounded(held * -_quantile(ranked, SHARE) + 1.0 - held),
+        _bounded(held * _quantile(ranked, 1.0 - SHARE) + 1.0 - held),
+    )
 
 
 def _quantile(ranked: list[float], share: float) -> float:

@@ -25,6 +25,9 @@ HEADING_STD_DEG = 30.0
 """Of the direction from one report to the next, where a report tells no course."""
 DIRECTED_M = 30.0
 """Nearer reports tell no direction, and of vehicles that stand they tell old ones."""
+FASTEST_MPS, LEAP_M = 60.0, 500.0
+"""Who reports from farther off was not driven there: a wrong position, or another vehicle that has
+the same id. Where the next report is near it, it was right."""
 HELD_MAX = 64
 """Reports whose time has not come."""
 
@@ -49,6 +52,8 @@ class Sightings:
         """The last one with a position."""
         self._has_wheels = False
         self._last: Sighting | None = None
+        self._leapt: Pose | None = None
+        """The last report, where it lies where nobody could have driven to."""
         self._offset_m = 0.0
         """Of `distance_m` of sightings from that of poses."""
 
@@ -155,7 +160,15 @@ class Sightings:
             east_std_m=std_m,
             north_std_m=std_m,
         )
-        return self._seen(report, reported=True)
+        return self._seen(report, reported=True) if self._is_believed(last, report) else None
+
+    def _is_believed(self, last: Pose | None, report: Pose) -> bool:
+        """Not a leap that no other report bears out."""
+        leapt, self._leapt = self._leapt, None
+        if not _leaps(last, report) or (leapt is not None and not _leaps(leapt, report)):
+            return True
+        self._leapt = report
+        return False
 
     def _std_m(self, fix: GpsFix) -> float:
         if fix.h_std_m is not None:
@@ -171,6 +184,12 @@ def _time(held: tuple[GpsFix, str]) -> int:
 
 def _is_unsure(pose: Pose, limit_m: float) -> bool:
     return max(pose.east_std_m or 0.0, pose.north_std_m or 0.0) > limit_m
+
+
+def _leaps(last: Pose | None, report: Pose) -> bool:
+    moved_m, _ = _step(last, report.lat_deg, report.lon_deg)
+    apart_s = (report.t_ns - last.t_ns) * 1e-9 if last is not None else 0.0
+    return moved_m > LEAP_M + FASTEST_MPS * apart_s
 
 
 def _step(last: Pose | None, lat_deg: float | None, lon_deg: float | None) -> tuple[float, float]:

@@ -88,6 +88,7 @@ def _event(route: Route, happening: Happening) -> StopEvent:
 def _event_of_run(run: Run, happening: Happening) -> StopEvent:
     plan, stop = run.trip_route.plan, happening.stop
     times_s = plan.departures_s if happening.kind == "departed" else plan.arrivals_s
+    scheduled_ns = run.starts_ns + round(float(times_s[stop]) * SECOND_NS)
     return StopEvent(
         t_ns=happening.t_ns,
         route_id=run.pattern.route_id,
@@ -95,7 +96,7 @@ def _event_of_run(run: Run, happening: Happening) -> StopEvent:
         stop_id=run.trip_route.route.stops[stop].stop_id,
         stop_sequence=run.trip_route.sequences[stop],
         kind=happening.kind,
-        scheduled_ns=run.starts_ns + round(float(times_s[stop]) * SECOND_NS),
+        scheduled_ns=scheduled_ns if run.is_exact else None,
         distance_m=run.trip_route.route.stops[stop].distance_m,
         interpolated=happening.interpolated,
     )

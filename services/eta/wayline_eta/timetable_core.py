@@ -66,7 +66,7 @@ class TimetableEtaCore:
         assignment: str | None = None,
         lessons: Lessons | None = None,
     ) -> None:
-        self._lessons = lessons or lessons_by(runs.timetables)
+        self._lessons = lessons or lessons_by(runs.feeds)
         self._forecaster: Forecaster | None = None
         self._forecast_of: RunKey | None = None
         """The run that it is of."""
@@ -182,7 +182,7 @@ class TimetableEtaCore:
         progress, run = current.follower.progress(t_ns), current.run
         if progress is None:
             return None
-        known = self._choice.is_certain and progress.on_route
+        known = self._choice.is_certain and progress.on_route and run.is_exact
         return msgspec.structs.replace(
             progress,
             route_id=run.pattern.route_id,
@@ -199,10 +199,11 @@ class TimetableEtaCore:
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
             waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
-        visits = self._forecaster_of(run).visits(outlook, run.leaves_ns, current.follower.motion)
-        told = trip_arrivals.of_run(run, outlook, visits, t_ns)
+        visits = self._forecaster_of(run).visits(outlook, t_ns, current.follower.motion)
+        told = trip_arrivals.of_run(run, visits)
         if not self._choice.is_certain:
-            return trip_arrivals.before_the_fork(told, self._choice.rivals)
+            rivals = [rival.trip_route.route for rival in self._choice.rivals]
+            return trip_arrivals.before_the_fork(told, rivals)
         return (*told, *trip_arrivals.of_next_run(self._choice.next_run, told))
 
     def _arrivals(

@@ -3,32 +3,31 @@
 from collections.abc import Sequence
 from itertools import takewhile
 
-import msgspec
-
 from wayline.messages import LIST_MAX, StopArrival
+from wayline.route import Route
 from wayline.timetable.runs import Run
-from wayline_eta.arrivals import Outlook, Visit, instant_ns, told_arrival
+from wayline_eta.arrivals import Visit
 
 SECOND_NS = 1_000_000_000
 
 
-def of_run(
-    run: Run, outlook: Outlook, visits: Sequence[Visit], now_ns: int
-) -> tuple[StopArrival, ...]:
+def of_run(run: Run, visits: Sequence[Visit]) -> tuple[StopArrival, ...]:
     """Predicted visits of a run with their scheduled times and the departures that follow."""
-    route, plan = run.trip_route.route, run.trip_route.plan
-    found = []
-    for visit in visits:
-        scheduled_s = float(plan.arrivals_s[visit.stop])
-        found.append(
-            msgspec.structs.replace(
-                told_arrival(route, outlook, visit, now_ns),
-                scheduled_ns=run.starts_ns + round(scheduled_s * SECOND_NS),
-                departure_ns=instant_ns(outlook, now_ns, visit.departure_s),
-                confidence="learned" if visit.is_learned else "timetable",
-            )
+    route, arrivals_s = run.trip_route.route, run.trip_route.plan.arrivals_s
+    return tuple(
+        StopArrival(
+            stop_id=route.stops[visit.stop].stop_id,
+            name=route.stops[visit.stop].name,
+            distance_m=visit.distance_m,
+            arrival_ns=visit.arrival_ns,
+            early_ns=visit.early_ns,
+            late_ns=visit.late_ns,
+            departure_ns=visit.departure_ns,
+            scheduled_ns=_promised(run, _planned_ns(run, float(arrivals_s[visit.stop]))),
+            confidence="learned" if visit.is_learned else "timetable",
         )
-    return tuple(found)
+        for visit in visits
+    )
 
 
 def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArrival, ...]:
@@ -56,7 +55,7 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
             early_ns=scheduled_ns,
             late_ns=scheduled_ns + late_ns + (end.late_ns - end.arrival_ns),
             departure_ns=scheduled_ns + late_ns + round(stop.dwell_s * SECOND_NS),
-            scheduled_ns=scheduled_ns,
+            scheduled_ns=_promised(run, scheduled_ns),
             trip_id=run.trip.trip_id,
             confidence="timetable",
         )
@@ -64,7 +63,18 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
     return tuple(found.values())
 
 
-def before_the_fork(told: Sequence[StopArrival], rivals: Sequence[Run]) -> tuple[StopArrival, ...]:
+def _planned_ns(run: Run, time_s: float) -> int:
+    return run.starts_ns + round(time_s * SECOND_NS)
+
+
+def _promised(run: Run, scheduled_ns: int) -> int | None:
+    """Null where only the time between two vehicles is promised."""
+    return scheduled_ns if run.is_exact else None
+
+
+def before_the_fork(
+    told: Sequence[StopArrival], rivals: Sequence[Route]
+) -> tuple[StopArrival, ...]:
     """The arrivals up to the first stop that a rival line does not serve."""
-    served = [{stop.stop_id for stop in run.trip_route.route.stops} for run in rivals]
+    served = [{stop.stop_id for stop in route.stops} for route in rivals]
     return tuple(takewhile(lambda stop: all(stop.stop_id in each for each in served), told))

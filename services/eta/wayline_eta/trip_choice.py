@@ -14,19 +14,24 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from wayline.messages import Pose
 from wayline.timetable.runs import PatternPlace, Run, Runs
 from wayline.tuning import Tuning
+from wayline_eta.departures import LAYOVER_S, SET_OUT_EARLY_COUNTS, Waiting
 from wayline_eta.lines_followed import LinesFollowed, Progressed
 from wayline_eta.place_tracker import position_std_m
-from wayline_eta.trip_fit import EARLY_S, LATE_S, LAYOVER_S, Followed, is_same, likely
+from wayline_eta.trip_fit import Followed, is_same, likely
 
 NEAR_M = 100.0
 """Patterns this near to a vehicle are looked at."""
 FOLLOWED_M, FOLLOWED_FIXES = 400.0, 3
 """A vehicle that has left its line runs another one once it has followed that for so long, and as
 many fixes have said so: what was reckoned between two of them goes astray."""
-TURNED_M, TURNED_FIXES = 100.0, 2
-"""Where it drives back along its own line: it has turned round before the end."""
+TURNED_M = 100.0
+"""Where it drives back along its own line, and two fixes have said so: it has turned round."""
 LEFT_FIXES = 2
-"""So many fixes off its line, and a vehicle may be on another one."""
+"""So many fixes behind the first one off its line, and a vehicle may be on another one."""
+ASK_AGAIN_NS = 600 * 1_000_000_000
+"""Between two looks at what the assigned trip or block runs."""
+JOINED_M = 50.0
+"""So far along a line, and it counts beside others: a vehicle that stands may point anywhere."""
 
 
 class TripChoice:
@@ -38,13 +43,17 @@ class TripChoice:
         self._left_since: Progressed | None = None
         """When the vehicle left the present run's line; None while it is on it."""
         self._assignment: str | None = None
+        self._is_assigned, self._ask_again_ns = False, 0
+        """Whether a feed knows it, and when to look again."""
         self._chain: Sequence[Run] = ()
         """The runs that follow each other: of the block, or the one trip."""
         self._current: Run | None = None
         self._has_set_out = True
         """Whether the vehicle has left the present run's first stop."""
-        self._ended_ns = 0
-        """When the trip before should have ended; 0 where none is known."""
+        self._waiting: Waiting | None = None
+        """Since its last trip has ended; None where none has."""
+        self._departed: dict[PatternPlace, Run] = {}
+        """The trips that it may have set out for, by line."""
         self._at_deg = (0.0, 0.0)
         self.is_certain = False
         """Whether it is known which line the vehicle runs."""
@@ -66,13 +75,22 @@ class TripChoice:
         return next((run for run in later if run.departs_ns > ends_ns), None)
 
     def assign(self, name: str | None, t_ns: int) -> None:
-        """Take the trip or block that is told; one that nobody knows tells nothing."""
-        if name is None or name == self._assignment:
+        """Take the trip or block that is told; one that nobody knows tells nothing.
+
+        It is asked for again now and then: the runs of the next day come into sight.
+        """
+        is_news = name != self._assignment
+        if name is None or not (is_news or t_ns >= self._ask_again_ns):
             return
-        self._assignment = name
+        self._assignment, self._ask_again_ns = name, t_ns + ASK_AGAIN_NS
         chain = self._runs.assigned(name, t_ns)
-        if chain:
-            self._chain = chain
+        if is_news:
+            self._is_assigned = False
+        if not chain:
+            return
+        is_known = self._is_assigned and any(is_same(run, self._current) for run in chain)
+        self._chain, self._is_assigned = chain, True
+        if not is_known:
             self._current, self.is_certain, self.rivals = None, True, ()
 
     def count_fix(self) -> None:
@@ -87,7 +105,7 @@ class TripChoice:
         self._lines.observe(self._looked_at(), pose, lat_deg, lon_deg, reported=reported)
         if self._current is not None and position_std_m(pose, None) > self._tuning.on_route_m:
             return  # reckoned between two fixes, too far to decide anything by
-        self._lines.note(pose.distance_m)
+        self._lines.note(pose.distance_m, by_report=reported)
         self._note_left()
         if self._chain:
             self._go_on(pose.t_ns)
@@ -99,7 +117,7 @@ class TripChoice:
         if current is None or self._lines.is_on(current.pattern_place):
             self._left_since = None
         elif self._left_since is None:
-            self._left_since = self._lines.now
+            self._left_since = self._lines.began
 
     def _looked_at(self) -> set[PatternPlace]:
         own = {run.pattern_place for run in self._chain}
@@ -113,23 +131,37 @@ class TripChoice:
         return Followed(run, self._lines[run.pattern_place])
 
     @property
-    def _is_assigned(self) -> bool:
-        return self._assignment is not None
-
-    @property
     def _has_left(self) -> bool:
         """Whether fixes lie off the present line, or drive it the wrong way."""
+        return self._is_away or self._has_turned
+
+    @property
+    def _is_away(self) -> bool:
+        return self._off_fixes >= LEFT_FIXES and self._is_beside
+
+    @property
+    def _has_turned(self) -> bool:
+        """Also of a vehicle that stands turned round at a terminal."""
+        return self._off_fixes >= 1 and self._lines.is_settled and not self._is_beside
+
+    @property
+    def _off_fixes(self) -> int:
+        """Fixes since the one that showed the vehicle off the present line."""
         since = self._left_since
-        return since is not None and self._lines.now.fixes - since.fixes >= LEFT_FIXES
+        return 0 if since is None else self._lines.now.fixes - since.fixes
 
-    def _is_away(self, current: Followed) -> bool:
-        """Whether the vehicle is elsewhere than on the present line, either way."""
-        return self._has_left and current.follower.offset_m > self._tuning.off_route_m
+    @property
+    def _is_beside(self) -> bool:
+        current = self._current
+        limit_m = self._tuning.off_route_m
+        return current is not None and self._lines[current.pattern_place].offset_m > limit_m
 
-    def _is_followed(self, place: PatternPlace, current: Followed) -> bool:
+    def _is_followed(self, place: PatternPlace) -> bool:
         """Whether the vehicle has been on another line for long enough to be sure of it."""
-        if self._has_left and not self._is_away(current):
-            return self._lines.is_followed(place, TURNED_M, TURNED_FIXES)
+        since = self._left_since
+        if since is not None and self._has_turned:
+            advanced_m = since.advanced_m(self._lines.now, place)
+            return advanced_m >= TURNED_M and self._lines.is_followed(place, TURNED_M, 1)
         return self._lines.is_followed(place, FOLLOWED_M, FOLLOWED_FIXES)
 
     def _go_on(self, t_ns: int) -> None:
@@ -149,11 +181,7 @@ class TripChoice:
         place = following.pattern_place
         if current.is_served:
             return True
-        goes_on = (
-            self._has_left
-            and place != current.run.pattern_place
-            and self._is_followed(place, current)
-        )
+        goes_on = self._has_left and place != current.run.pattern_place and self._is_followed(place)
         return goes_on and self._followed(following).is_in_time(t_ns, LAYOVER_S)
 
     def _has_ended(self, current: Followed, following: Run | None, t_ns: int) -> bool:
@@ -164,18 +192,20 @@ class TripChoice:
 
     def _forget(self) -> None:
         self._chain, self._current, self.is_certain, self.rivals = (), None, False, ()
-        self._ended_ns = 0
+        self._waiting, self._departed = None, {}
 
     def _find(self, t_ns: int) -> None:
         """Among the lines that the vehicle follows, unless it is still on the one that it was."""
-        if self._current is None or not self.is_certain:
+        if self._current is None:
             self._choose(self._under_way(t_ns), lambda each: each.misfit(t_ns))
             return
         current = self._followed(self._current)
-        if current.is_served:
+        if self.is_certain and current.is_served:
             self._end(current, t_ns)
         elif not self._has_set_out:
             self._wait(current, t_ns)
+        elif not self.is_certain:
+            self._choose(self._under_way(t_ns), lambda each: each.misfit(t_ns))
         elif self._has_left:
             self._choose(self._others(current, t_ns), lambda each: each.misfit(t_ns))
 
@@ -185,8 +215,7 @@ class TripChoice:
         return [
             each
             for each in self._under_way(t_ns)
-            if each.run.pattern_place != place
-            and self._is_followed(each.run.pattern_place, current)
+            if each.run.pattern_place != place and self._is_followed(each.run.pattern_place)
         ]
 
     def _end(self, current: Followed, t_ns: int) -> None:
@@ -195,22 +224,30 @@ class TripChoice:
             self._chain = self._runs.of_block(current.run, t_ns)
             self._go_on(t_ns)
             return
-        self._ended_ns = current.run.ends_ns
-        departing = list(self._departing(t_ns))
+        last = current.run.trip_route.route.stops[-1]
+        waiting = Waiting(last.lat_deg, last.lon_deg, t_ns, current.run.ends_ns)
+        self._waiting, self._departed = waiting, {}
+        departing = list(waiting.departures(self._lines, self._runs, t_ns))
         if departing:
-            self._choose(departing, lambda each: abs(each.waits_s(t_ns)))
+            self._choose(departing, lambda each: waiting.off_s(each.run, t_ns))
         elif self._has_left:
             self._forget()
 
     def _wait(self, current: Followed, t_ns: int) -> None:
         """Until the vehicle sets out its trip may turn out to be a later one, or none."""
+        first = current.run.trip_route.route.stops[0]
+        waiting = self._waiting or Waiting(first.lat_deg, first.lon_deg)
         if current.follower.on_route and not current.is_before_start:
+            early_counts = SET_OUT_EARLY_COUNTS
+            departing = waiting.departures(self._lines, self._runs, t_ns, early_counts)
+            self._departed = {each.run.pattern_place: each.run for each in departing}
+            self._has_set_out, self._waiting = True, None
             self._choose(self._under_way(t_ns), lambda each: each.misfit(t_ns))
-            self._has_set_out, self._ended_ns = True, 0
-        elif self._is_away(current):
+        elif self._is_away:
             self._forget()
         else:
-            self._choose(self._departing(t_ns), lambda each: abs(each.waits_s(t_ns)))
+            departing = waiting.departures(self._lines, self._runs, t_ns)
+            self._choose(departing, lambda each: waiting.off_s(each.run, t_ns))
 
     def _choose(self, found: Iterable[Followed], misfit_of: Callable[[Followed], float]) -> None:
         """The likeliest; certain where no other line is as likely. Of none nothing changes."""
@@ -225,37 +262,29 @@ class TripChoice:
 
     def _drive(self, run: Run) -> None:
         before = self._current
-        again = before is not None and before.pattern_place == run.pattern_place
-        served = before is not None and self._followed(before).is_served
-        self._lines.drive(run, afresh=again and served)
+        is_next = before is not None and self._followed(before).is_served
+        self._lines.drive(run, afresh=is_next)
         self._current, self._left_since = run, None
+        if run.pattern_place not in self._departed:
+            self._departed = {}
         self._has_set_out = not self._followed(run).is_before_start
 
     def _under_way(self, t_ns: int) -> Iterator[Followed]:
-        """Of every line that the vehicle follows the trip that fits best by time."""
-        for place in list(self._lines):
-            if self._lines[place].on_route:
-                fitting = [each for each in self._of(place, t_ns) if each.is_in_time(t_ns)]
-                if fitting:
-                    yield min(fitting, key=lambda each: each.misfit(t_ns))
-
-    def _departing(self, t_ns: int) -> Iterator[Followed]:
-        """Of every line that begins where the vehicle is the departure that is next, or just was.
-
-        A vehicle that comes from elsewhere is known to wait for it only shortly before.
-        """
-        waits_s = LAYOVER_S if self._ended_ns else EARLY_S
-        for place in list(self._lines):
-            fitting = [
-                each
-                for each in self._of(place, t_ns)
-                if -LATE_S <= each.waits_s(t_ns) <= waits_s and each.begins_at(*self._at_deg)
-            ]
+        """Of every line that the vehicle follows the trip that it set out for, or fits by time."""
+        on = [place for place in self._lines if self._is_joined(place)]
+        if departed := [self._departed[place] for place in on if place in self._departed]:
+            yield from map(self._followed, departed)
+            return
+        for place in on:
+            trips = map(self._followed, self._runs.of_pattern(place, t_ns))
+            fitting = [each for each in trips if each.is_in_time(t_ns) and not each.is_served]
             if fitting:
-                yield min(fitting, key=lambda each: abs(each.waits_s(t_ns)))
+                yield min(fitting, key=lambda each: each.misfit(t_ns))
 
-    def _of(self, place: PatternPlace, t_ns: int) -> Iterator[Followed]:
-        """The trips of a line that the vehicle can run after the one before."""
-        for run in self._runs.of_pattern(place, t_ns):
-            if run.departs_ns >= self._ended_ns:
-                yield self._followed(run)
+    def _is_joined(self, place: PatternPlace) -> bool:
+        """Whether a line counts: no longer followed than the present one it has to be driven."""
+        if not self._lines[place].on_route:
+            return False
+        current = self._current
+        as_long = current is None or self._lines.is_as_long(place, current.pattern_place)
+        return as_long or self._lines.is_followed(place, JOINED_M, 0)

@@ -4,14 +4,11 @@ from collections.abc import Callable, Iterable
 from operator import itemgetter
 from typing import NamedTuple
 
-from wayline.geo import step_between
 from wayline.timetable.runs import Run
 from wayline_eta.route_follower import RouteFollower
 
 EARLY_S, LATE_S = 300.0, 1_800.0
 """A vehicle farther off a trip's timetable runs another one."""
-LAYOVER_S = 1_800.0
-"""A vehicle that has ended a trip waits at most so long for the next one to be told of it."""
 EARLY_COUNTS = 3.0
 """Late buses are usual, early ones are not: a second early counts as three late."""
 CLOSE_S = 180.0
@@ -19,8 +16,6 @@ CLOSE_S = 180.0
 END_M = 60.0
 """A vehicle so near to its last stop that goes on elsewhere has served it; one so near to its
 first stop has not set out."""
-TERMINAL_M = 100.0
-"""Trips that begin within this of a vehicle begin where it is."""
 
 
 class Followed(NamedTuple):
@@ -34,8 +29,7 @@ class Followed(NamedTuple):
         """Whether the last stop has been."""
         follower = self.follower
         last_m = float(self.run.trip_route.route.stop_distances_m[-1])
-        near = follower.total_m >= last_m - END_M and not follower.on_route
-        return near or (follower.on_route and follower.served_m >= last_m - 1.0)
+        return follower.served_m >= last_m - (1.0 if follower.on_route else END_M)
 
     @property
     def is_before_start(self) -> bool:
@@ -58,12 +52,6 @@ class Followed(NamedTuple):
         """Whether a vehicle may run it, which waits at most so long for its departure."""
         delay_s = self.run.delay_s(self.follower.total_m, t_ns)
         return -EARLY_S <= delay_s <= LATE_S and self.waits_s(t_ns) <= waits_s
-
-    def begins_at(self, lat_deg: float, lon_deg: float) -> bool:
-        """Whether its first stop is at a place in degrees."""
-        first = self.run.trip_route.route.stops[0]
-        step = step_between(lat_deg, lon_deg, first.lat_deg, first.lon_deg)
-        return step.distance_m <= TERMINAL_M
 
 
 def is_same(run: Run, other: Run | None) -> bool:

@@ -114,7 +114,9 @@ def test_it_goes_on_over_the_laps_of_a_loop() -> None:
 def test_an_open_route_is_not_left_behind_its_end() -> None:
     motion = ExpectedMotion(route_of(LINE, stops_m=STOPS_M, dwell_s=30.0))
     along = AlongFilter(motion, 0, 19_900.0, 10.0, 0.0)
-    assert along.at(300 * SECOND_NS).total_m == pytest.approx(20_000.0, abs=0.1)
+    ended = along.at(300 * SECOND_NS)
+    assert ended.total_m == pytest.approx(20_000.0, abs=0.1)
+    assert ended.speed_mps == ended.stand.late_s == 0.0
 
 
 def test_it_is_the_same_whatever_was_asked_between() -> None:

@@ -400,3 +400,24 @@ def test_stops_are_listed_and_found_near_a_place(board: Board) -> None:
 )
 def test_a_place_that_is_none_is_refused(board: Board, wrong: dict[str, str]) -> None:
     assert client(board).get("/v1/stops", params=wrong).status_code == 422
+
+
+def test_a_stop_s_arrivals_can_be_asked_for_by_route_minutes_and_number(
+    board: Board, told: Told
+) -> None:
+    """Of two vehicles of two routes, ten seconds and five minutes away."""
+    later = [
+        msgspec.structs.replace(stop, arrival_ns=stop.arrival_ns + 300 * SECOND_NS)
+        for stop in told.arrivals.stops
+    ]
+    other = msgspec.structs.replace(told.arrivals, route_id="other", stops=tuple(later))
+    board.hear("bus-2", other, "eta")
+
+    def vehicles(**asked: str | float) -> list[str]:
+        found = client(board).get("/v1/stops/s0/arrivals", params=asked).json()["arrivals"]
+        return [at["vehicle_id"] for at in found]
+
+    assert vehicles() == ["bus-1", "bus-2"]
+    assert vehicles(route_id="other") == ["bus-2"]
+    assert vehicles(minutes=2) == vehicles(limit=1) == ["bus-1"]
+    assert client(board).get("/v1/stops/s0/arrivals?minutes=0").status_code == 422

@@ -5,7 +5,7 @@ import pytest
 from unit.eta.route_drives import SECOND_NS, SQUARE, START_NS, Metres, route_of
 from wayline.messages import StopArrival
 from wayline.route import Route
-from wayline_eta.arrivals import Outlook, predict_arrivals
+from wayline_eta.arrivals import Outlook, predict_visits, told_arrivals
 from wayline_eta.lessons import as_planned
 from wayline_eta.stands import Stand
 
@@ -17,7 +17,8 @@ def predicted(
 ) -> list[StopArrival]:
     stand = Stand(dwell_left_s, dwell_left_s, dwell_left_s)
     outlook = Outlook(START_NS, total_m, total_m, std_m, stand)
-    return list(predict_arrivals(as_planned(route), outlook, START_NS + age_s * SECOND_NS))
+    visits = predict_visits(as_planned(route), outlook, START_NS + age_s * SECOND_NS)
+    return list(told_arrivals(route, visits))
 
 
 def seconds(t_ns: int) -> float:

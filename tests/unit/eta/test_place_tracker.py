@@ -187,3 +187,9 @@ def test_a_vehicle_that_waits_where_a_circular_trip_begins_is_not_at_its_end(see
         pointing = msgspec.structs.replace(drive_pose, heading_deg=270.0, speed_mps=0.1)
         place = observe(tracker, pointing)
     assert place.total_m < 30.0
+
+
+def test_a_vehicle_first_seen_just_before_the_end_of_a_loop_is_there() -> None:
+    """Twenty metres before it begins its next lap."""
+    [(pose, _)] = poses(SQUARE, [10.0], start_m=1980.0)
+    assert observe(PlaceTracker(route_of(SQUARE)), pose).total_m == pytest.approx(1980.0, abs=0.5)

@@ -131,3 +131,22 @@ def test_a_derived_speed_is_none_that_was_told() -> None:
         sightings.take_fix(fix(second, speed_mps=9.0, speed_derived=derived), "gps-ingest")
     seen = sightings.pass_time(START_NS + 60 * SECOND_NS)
     assert [one.pose.speed_mps for one in seen] == [None, None, 9.0]
+
+
+def test_of_two_vehicles_with_one_id_one_is_followed() -> None:
+    """They report in turns, ten kilometres apart."""
+    sightings = Sightings(Tuning())
+    for second in range(0, 300, 15):
+        north_m = 10_000.0 if second % 30 else 8.0 * second
+        sightings.take_fix(fix(second, north_m), "gps-ingest")
+    seen = sightings.pass_time(START_NS + 300 * SECOND_NS)
+    assert len(seen) == 10
+    assert max(one.pose.distance_m for one in seen) == pytest.approx(8.0 * 270.0, abs=1.0)
+
+
+def test_a_vehicle_that_was_put_elsewhere_is_followed_from_its_second_report_there() -> None:
+    sightings = Sightings(Tuning())
+    for second, north_m in ((0, 0.0), (30, 100.0), (60, 50_000.0), (90, 50_100.0)):
+        sightings.take_fix(fix(second, north_m), "gps-ingest")
+    seen = sightings.pass_time(START_NS + 90 * SECOND_NS)
+    assert [(one.pose.t_ns - START_NS) // SECOND_NS for one in seen] == [0, 30, 90]

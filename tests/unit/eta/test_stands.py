@@ -7,6 +7,7 @@ from unit.eta.route_drives import SECOND_NS, START_NS, Metres, follow, poses, ro
 from wayline.tuning import Tuning
 from wayline_eta.arrivals import Outlook, predict_visits
 from wayline_eta.core import EtaCore
+from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.lessons import as_planned
 from wayline_eta.stands import goes_on
 
@@ -43,10 +44,14 @@ def test_a_departure_waits_for_its_time_and_so_does_what_follows() -> None:
     """Two minutes early at a timepoint halfway."""
     route = route_of(LINE, stops_m=[1000.0, 2000.0], dwell_s=60.0)
     outlook = Outlook(START_NS, 500.0, 500.0, 0.0)
-    leaves_ns = np.array([START_NS + 170.0 * SECOND_NS, -np.inf])
-    first, second = predict_visits(as_planned(route), outlook, leaves_ns)
-    assert first.arrival_s == pytest.approx(50.0, abs=0.1)
-    assert first.departure_s == pytest.approx(170.0, abs=0.1)
-    assert second.arrival_s == pytest.approx(270.0, abs=0.1)
-    late = predict_visits(as_planned(route), outlook, np.array([START_NS - 1.0, -np.inf]))
-    assert late[0].departure_s == pytest.approx(70.0, abs=0.1)  # boarding, not the plan's wait
+
+    def seconds(leaves_s: float) -> list[float]:
+        leaves_ns = np.array([START_NS + leaves_s * SECOND_NS, -np.inf])
+        first, second = predict_visits(
+            as_planned(route), outlook, START_NS, ExpectedMotion(route, leaves_ns)
+        )
+        instants_ns = (first.arrival_ns, first.departure_ns, second.arrival_ns)
+        return [(each - START_NS) / SECOND_NS for each in instants_ns]
+
+    assert seconds(170.0) == pytest.approx([50.0, 170.0, 270.0], abs=0.1)
+    assert seconds(-1.0)[:2] == pytest.approx([50.0, 70.0], abs=0.1)  # boards, no planned wait

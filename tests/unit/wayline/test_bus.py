@@ -97,8 +97,9 @@ def test_vehicle_ids(text: str, good: bool) -> None:
 
 
 def test_every_topic_goes_stale_after_three_messages_or_two_seconds() -> None:
-    assert {stale_after_s(message) for message in MESSAGES} == {2.0, 3.0}
+    assert {stale_after_s(message) for message in MESSAGES} == {2.0, 3.0, 60.0}
     assert stale_after_s(TOPICS["pose"]) == 2.0
+    assert stale_after_s(TOPICS["stop_event"]) == 60.0, "one every 20 s"
 
 
 def test_the_grid_gives_each_instant_once_before_the_message_that_passes_it() -> None:
