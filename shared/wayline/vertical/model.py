@@ -63,12 +63,16 @@ class VerticalModel:
         self._slope_std = tuning.slope_initial_std_pct / 100.0
         self._bias_std_m = tuning.baro_bias_initial_std_m
         self._torque_bias_std = tuning.torque_bias_std_pct / 100.0
-        self._torque_bias_walk = (tuning.torque_bias_walk_pct_per_sqrt_s / 100.0) ** 2
+        self._torque_bias_time_s = tuning.torque_bias_time_s
         # without an altimeter a mass cannot be told from a slope
         has_altimeter = {"gps", "barometer"} & set(tuning.vertical_sensors)
         self._mass_std = tuning.mass_std_share if has_altimeter else MASS_ALONE_STD
         self._loading = self._mass_std**2 / LOADED_AFTER_S
         self._own_bias_std = tuning.vehicle_slope_bias_std_pct / 100.0
+
+    def bend(self, curvature_std: float) -> None:
+        """Let the road's curvature have another std from here on: tangent of the slope a metre."""
+        self._road.curvature_std = curvature_std
 
     def first(self) -> tuple[Floats, Floats]:
         """State and covariance before anything is known, shapes (size,) and (size, size)."""
@@ -95,9 +99,10 @@ class VerticalModel:
         F, Q = into
         self._road.move(F, Q, distance_m)
         Q[S.BARO_BIAS, S.BARO_BIAS] = self._bias_walk * elapsed_s
-        Q[S.TORQUE_BIAS, S.TORQUE_BIAS] = Q[S.OWN_BIAS, S.OWN_BIAS] = (
-            self._torque_bias_walk * elapsed_s
-        )
+        kept = math.exp(-elapsed_s / self._torque_bias_time_s)
+        F[S.TORQUE_BIAS, S.TORQUE_BIAS] = F[S.OWN_BIAS, S.OWN_BIAS] = kept
+        Q[S.TORQUE_BIAS, S.TORQUE_BIAS] = self._torque_bias_std**2 * (1.0 - kept**2)
+        Q[S.OWN_BIAS, S.OWN_BIAS] = self._own_bias_std**2 * (1.0 - kept**2)
         Q[S.INVERSE_MASS, S.INVERSE_MASS] = self._loading * elapsed_s if distance_m == 0.0 else 0.0
         kept = math.exp(-elapsed_s / self._error_time_s)
         for state in range(S.GPS_ERROR, self.size):

@@ -18,7 +18,7 @@ class Road:
     """A road whose curvature has a std (tangent of the slope for a metre) and a length."""
 
     def __init__(self, curvature_std: float, length_m: float) -> None:
-        self._variance, self._length_m = curvature_std**2, length_m
+        self.curvature_std, self._length_m = curvature_std, length_m
 
     def move(self, F: Floats, Q: Floats, distance_m: float) -> None:
         """Write F and Q over a distance driven forward (negative in reverse)."""
@@ -32,7 +32,7 @@ class Road:
         F[S.CURVATURE, S.CURVATURE] = kept
         rows = _short(share) if share < SHORT_SHARE else _long(share, kept)
         altitude, altitude_slope, altitude_curvature, slope, slope_curvature, curvature = rows
-        variance = self._variance
+        variance = self.curvature_std**2
         Q[S.ALTITUDE, S.ALTITUDE] = variance * length_m**4 * altitude
         Q[S.SLOPE, S.SLOPE] = variance * length_m**2 * slope
         Q[S.CURVATURE, S.CURVATURE] = variance * curvature

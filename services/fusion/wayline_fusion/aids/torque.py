@@ -53,7 +53,11 @@ class TorqueSlope:
         if not is_believable_mass(kalman.mass):
             estimate.tell("torque", push.t_ns, "the mass would be no such vehicle's")
             return UNUSED
+        if push.is_braked and float(measurement.y[0]) <= 0.0:
+            return UNUSED
         outcome = try_measurement(estimate, measurement, push.t_ns, Policy(tuning.gate_probability))
+        if push.is_braked:
+            return outcome
         square, predicted = float(outcome.off[0]) ** 2, float(outcome.expected[0, 0])
         noise = noise.learned(square, predicted, claimed**2, TORQUE_FACTOR_MIN)
         if outcome.is_accepted:
