@@ -25,9 +25,10 @@ USUAL_WEIGHT = 0.3
 """What the road's usual square, the geometric mean of all cells, is worth beside a cell's own."""
 FEWEST_SLOPES = 200
 """Altitudes alone tell bends too badly: each pass would take more of the hills for noise."""
-UNLEARNED_FACTOR = 2.3
-"""On the curvature's std that is configured, where it is not learned: crests that are cut stay cut
-in the map, noise averages out over the runs."""
+BENDY_FACTOR = 2.5
+"""On the curvature's std that is configured, where torque and barometer do not tell of bends both:
+crests that are cut stay cut in the map, noise averages out over the runs, and beside GPS alone a
+mass is soon whatever makes slopes calm."""
 BIAS_FACTOR_MAX = 3.0
 """Of the std of torque's bias that is configured; one run does not tell more, nor of less."""
 
@@ -40,9 +41,9 @@ class Learned(NamedTuple):
     torque_bias_std_pct: float
 
 
-def first(count: int, tuning: Tuning, *, is_learned: bool) -> Learned:
-    """Before the first pass over so many nodes, and whether others follow."""
-    factor = 1.0 if is_learned else UNLEARNED_FACTOR
+def first(count: int, tuning: Tuning, *, is_told: bool) -> Learned:
+    """Before the first pass over so many nodes, and whether torque and barometer tell of bends."""
+    factor = 1.0 if is_told else BENDY_FACTOR
     curvature_std = factor * tuning.curvature_std_pct_per_m / 100.0
     return Learned(np.full(count, curvature_std), tuning.torque_bias_std_pct)
 

@@ -22,7 +22,6 @@ class Window(NamedTuple):
     level: float
     speed_std_mps: float
     goes_on: bool
-    share_before: float
     is_braked: bool
 
 
@@ -78,7 +77,6 @@ def _window(push: Push) -> Window:
         push.level,
         push.speed_std_mps,
         push.goes_on,
-        push.share_before,
         push.is_braked,
     )
 

@@ -84,7 +84,8 @@ def smooth(sensed: Sensed, times_s: Floats, travelled_m: Floats, tuning: Tuning)
         tuning = msgspec.structs.replace(tuning, vertical_sensors=("torque", "vehicle"))
     nodes = _nodes(sensed, times_s, travelled_m)
     is_learned = len(sensed.slopes.share) >= bends.FEWEST_SLOPES
-    start = bends.first(len(nodes.times_s), tuning, is_learned=is_learned)
+    is_told = is_learned and len(sensed.barometer.alt_m) > 0
+    start = bends.first(len(nodes.times_s), tuning, is_told=is_told)
     x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)
     for _ in range(PASSES - 1 if is_learned else 0):
         start = bends.learned(nodes.travelled_m, x, P, tuning)
@@ -177,7 +178,7 @@ class _ForwardPass:
             moved = _after(
                 moved, kalman.project_window(window.speed_std_mps, goes_on=window.goes_on)
             )
-            pushed = Pushed(window.length_s, share, window.level, window.share_before)
+            pushed = Pushed(window.length_s, share, window.level)
             measurement = kalman.model.torque(kalman.x, pushed, noisy)
         if not is_believable_mass(kalman.mass):
             return moved

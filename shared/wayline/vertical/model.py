@@ -37,7 +37,6 @@ class Pushed(NamedTuple):
     length_s: float
     share: float
     level: float
-    share_before: float
     behind_m: float = 0.0
     """How far behind the state the window's middle lies."""
 
@@ -151,17 +150,15 @@ class VerticalModel:
         """The engine's push over the stated weight, which carries slope and level road.
 
         level = share / mass - slope - bias, plus the errors of the speeds that the level road's
-        acceleration is made of. The mass is looked for by the pushes of the windows before (an
-        instrument): this window's is made of the slope that has just begun, and a mass that is
-        looked for by it comes out as whatever makes slopes small.
+        acceleration is made of.
         """
-        share, per_mps = pushed.share, 1.0 / (GRAVITY_MPS2 * pushed.length_s)
+        per_mps = 1.0 / (GRAVITY_MPS2 * pushed.length_s)
         y, H, R = np.empty(1), np.zeros((1, self.size)), np.empty((1, 1))
         H[0, S.SLOPE] = H[0, S.TORQUE_BIAS] = -1.0
         H[0, S.CURVATURE] = pushed.behind_m
-        H[0, S.INVERSE_MASS] = pushed.share_before
+        H[0, S.INVERSE_MASS] = pushed.share
         H[0, S.SPEED_ERROR], H[0, S.SPEED_ERROR_BEFORE] = per_mps, -per_mps
-        y[0] = pushed.level - H[0].dot(x) - (share - pushed.share_before) * x[S.INVERSE_MASS]
+        y[0] = pushed.level - H[0].dot(x)
         R[0, 0] = std**2
         return Measurement("torque", y, H, R)
 

@@ -40,8 +40,6 @@ SHORTEST_S, LONGEST_S = 0.5, 4.0
 """Of a block; longer where the wheels' readings are seldom, given up where torque stays away."""
 SLOWING_MPS2 = -0.2
 """Without a signal of the brake: who slows down harder without torque may be braking."""
-REMEMBERED_S = 3.0
-"""Over which the windows before are averaged: longer than a filter needs to follow a slope."""
 FEW_SAMPLES_STD = 0.01
 """Of the slope, over the number of torques in a window: between two of them torque changes."""
 
@@ -64,8 +62,6 @@ class Push(NamedTuple):
     """Of the wheels' speed at either end of the window."""
     goes_on: bool
     """Whether it begins with the speed that ended the window before."""
-    share_before: float
-    """Mean of the windows before, over some seconds; 0 where none led up to this one."""
     behind_m: float
     """How far before the place where it was told its middle lies."""
     is_braked: bool
@@ -87,7 +83,6 @@ class Propulsion:
         self._engine_ns: int | None = None
         self._speed_ns: int | None = None
         self._radians_per_m: float | None = None
-        self._share_before = 0.0
         self._tells_overrun = False
         self._before: Block | None = None
         self._block: Block | None = None
@@ -169,9 +164,6 @@ class Propulsion:
         acceleration_mps2 = (after.speed_mps - before.speed_mps - slipped_mps) / length_s
         engine_n = self._engine_kgm2 * turns_per_m2 * acceleration_mps2
         share = (force_n - engine_n) / self._weight_n
-        share_before = self._share_before if goes_on else 0.0
-        kept = math.exp(-length_s / REMEMBERED_S) if goes_on else 0.0
-        self._share_before = share + kept * (share_before - share)
         may_brake = not self._driveline.tells_brake and force_n <= 0.0
         middle_ns = (before.middle_ns + after.middle_ns) // 2
         return Push(
@@ -184,7 +176,6 @@ class Propulsion:
             FEW_SAMPLES_STD / count,
             self._noise.std_mps(len(after.speeds_mps)),
             goes_on,
-            share_before,
             after.speed_mps * (t_ns - middle_ns) * 1e-9,
             before.is_braked or after.is_braked or (may_brake and acceleration_mps2 < SLOWING_MPS2),
         )

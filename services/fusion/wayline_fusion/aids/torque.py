@@ -48,7 +48,7 @@ class TorqueSlope:
             kalman.inflate_mass(tuning.mass_std_share)
             streak = None
         kalman.project_window(push.speed_std_mps, goes_on=push.goes_on)
-        pushed = Pushed(push.length_s, push.share, push.level, push.share_before, push.behind_m)
+        pushed = Pushed(push.length_s, push.share, push.level, push.behind_m)
         measurement = kalman.model.torque(kalman.x, pushed, std)
         if not is_believable_mass(kalman.mass):
             estimate.tell("torque", push.t_ns, "the mass would be no such vehicle's")
