@@ -93,6 +93,8 @@ def _cell(row: Row, at: int | None) -> str:
 
 def _places(source: AvlSource, header: list[str]) -> _Places:
     columns = source.columns
+    if columns is None:
+        raise InputError(source.path, "no columns are named", "add columns to its [[avl]]")
 
     def place(name: str, purpose: str) -> int:
         if name.strip() not in header:
@@ -131,7 +133,7 @@ def _report(
     if t_ns is None or not {"lat_deg", "lon_deg"} <= numbers.keys():
         return None
     assignment = _cell(row, places.assignment) or None
-    return PositionReport(t_ns=t_ns, assignment=assignment, **numbers)
+    return PositionReport(t_ns=t_ns, assignment=assignment, received_ns=None, **numbers)
 
 
 def _time_ns(text: str, zone: zoneinfo.ZoneInfo, last_ns: int) -> int | None:

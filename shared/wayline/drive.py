@@ -138,13 +138,15 @@ class AvlColumns(Strict, frozen=True, kw_only=True):
 
 
 class AvlSource(Strict, frozen=True, kw_only=True):
-    """`[[avl]]`: position reports of a transit system as CSV."""
+    """`[[avl]]`: position reports of a transit system, as CSV or GTFS-Realtime."""
 
     path: str
-    columns: AvlColumns
+    """A table; without `columns`, recorded vehicle positions: a file, or a folder of them."""
+    columns: AvlColumns | None = None
     timezone: str = "UTC"
     where: Mapping[str, str | int] = {}
-    """Only rows that have these values in these columns."""
+    """Only rows that have these values in these columns; of GTFS-Realtime vehicle_id, label,
+    license_plate, trip_id, route_id."""
 
 
 class Vehicle(Strict, frozen=True, kw_only=True):

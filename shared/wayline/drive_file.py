@@ -26,9 +26,9 @@ def load_drive(folder: Path) -> Drive:
         if not can.paths:
             raise InputError(f"{path} [[can]] {position}", "path is empty", "name a recording")
 
-    def found(name: str) -> str:
+    def found(name: str, *, may_be_folder: bool = False) -> str:
         resolved = path.parent / name
-        if not resolved.is_file():
+        if not (resolved.is_file() or (may_be_folder and resolved.is_dir())):
             raise InputError(str(path), f"file {name} is missing", "correct the path or add it")
         return str(resolved)
 
@@ -47,7 +47,10 @@ def load_drive(folder: Path) -> Drive:
             )
             for can in drive.can
         ),
-        avl=tuple(replace(avl, path=found(avl.path)) for avl in drive.avl),
+        avl=tuple(
+            replace(avl, path=found(avl.path, may_be_folder=avl.columns is None))
+            for avl in drive.avl
+        ),
         route=located(drive.route),
         truth=located(drive.truth),
     )

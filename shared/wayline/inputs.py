@@ -50,3 +50,5 @@ class PositionReport(msgspec.Struct, frozen=True):
     hdop: float | None = None
     pdop: float | None = None
     assignment: str | None = None
+    received_ns: int | None = None
+    """By the host's clock; None of a recorded one."""

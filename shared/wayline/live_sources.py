@@ -17,6 +17,20 @@ class LiveNmea(Strict, frozen=True, kw_only=True):
     """Of a serial line; found by itself where it is not given."""
 
 
+class LiveAvl(Strict, frozen=True, kw_only=True):
+    """`[[avl]]`: the vehicles of an agency, as GTFS-Realtime vehicle positions."""
+
+    url: Annotated[str, Meta(pattern=r"^https?://")]
+    every_s: Annotated[float, Meta(ge=1.0, le=3600.0)] = 15.0
+    """Between two looks; agencies say what they allow."""
+    api_key_env: str | None = None
+    """The environment variable that holds the key; a key has no place in a file."""
+    api_key_header: str | None = None
+    """The header that takes it..."""
+    api_key_parameter: str | None = None
+    """...or the parameter of the address."""
+
+
 class LiveCan(CanMapping, frozen=True, kw_only=True):
     """`[[can]]`: a bus, by python-can's names of interface and channel."""
 

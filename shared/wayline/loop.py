@@ -163,10 +163,9 @@ class Loop:
             self._inbox.put(Alive(*parsed, up))
 
     def _feed(self, feed: Feed) -> None:
-        vehicle_id = self._settings.own_vehicle()
-
-        def put(message: msgspec.Struct) -> None:
-            item = Raw(vehicle_id, feed.name, message, time.time_ns(), time.monotonic_ns())
+        def put(message: msgspec.Struct, vehicle_id: str | None = None) -> None:
+            whose = vehicle_id or self._settings.own_vehicle()
+            item = Raw(whose, feed.name, message, time.time_ns(), time.monotonic_ns())
             if not feed.can_wait:
                 self._inbox.put(item)
                 return
@@ -237,6 +236,8 @@ class Loop:
             self._put(raw.vehicle_id, raw.message.message, raw.message.source)
             return
         self._telemetry.took(time.monotonic_ns() - raw.heard_ns)
+        if raw.vehicle_id != self._settings.vehicle_id:
+            self._attendance.hear(raw.vehicle_id, now_s)
         seat = self._seats.of(raw.vehicle_id, raw.source)
         seat.hear(raw.received_ns, now_s)
         self._publish(seat, seat.node.give(raw.message, raw.source))

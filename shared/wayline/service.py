@@ -17,6 +17,14 @@ from wayline.telemetry import Telemetry
 from wayline.view import View
 
 
+class Put(Protocol):
+    """Takes an input; of the machine's own vehicle, where none is named."""
+
+    def __call__(self, message: msgspec.Struct, vehicle_id: str | None = None) -> None:
+        """Hand it to its core."""
+        ...
+
+
 class Feed(Protocol):
     """A source of raw input: a receiver, an interface, a recording. Runs in a thread of its own."""
 
@@ -25,7 +33,7 @@ class Feed(Protocol):
     can_wait: bool
     """A recording waits for room in the inbox; what a live source says without room is dropped."""
 
-    def run(self, put: Callable[[msgspec.Struct], None], stop: threading.Event) -> None:
+    def run(self, put: Put, stop: threading.Event) -> None:
         """Put inputs until told to stop; come back by itself when the device does."""
         ...
 

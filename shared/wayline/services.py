@@ -57,7 +57,9 @@ class ServiceRow(NamedTuple):
 
 
 _ROWS = (
-    ServiceRow("gps-ingest", 8004, ("pynmea2", "serial"), Replayed.AS_SOURCE),
+    ServiceRow(
+        "gps-ingest", 8004, ("google.transit", "httpx2", "pynmea2", "serial"), Replayed.AS_SOURCE
+    ),
     ServiceRow("can-ingest", 8005, ("can", "cantools", "isotp"), Replayed.AS_SOURCE),
     ServiceRow(
         "fusion",

@@ -11,7 +11,7 @@ from msgspec import Meta
 from wayline.drive import VEHICLE_ID_PATTERN, Assignment, Vehicle, VehicleId
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
-from wayline.live_sources import LiveCan, LiveNmea
+from wayline.live_sources import LiveAvl, LiveCan, LiveNmea
 from wayline.profile import with_profiles
 from wayline.services import SERVICES
 from wayline.strict import Strict, fitted
@@ -93,6 +93,7 @@ class Settings(Strict, frozen=True, kw_only=True):
     """HTTP ports where they differ from the services' own."""
     rerun: RerunSettings = msgspec.field(default_factory=RerunSettings)
     nmea: tuple[LiveNmea, ...] = ()
+    avl: tuple[LiveAvl, ...] = ()
     can: tuple[LiveCan, ...] = ()
     vehicle: Vehicle = msgspec.field(default_factory=Vehicle)
     tuning: Tuning = msgspec.field(default_factory=Tuning)

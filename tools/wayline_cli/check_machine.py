@@ -24,7 +24,11 @@ Has = Callable[[str], bool]
 
 def is_installed(module: str) -> bool:
     """Whether a module could be imported."""
-    return find_spec(module) is not None
+    try:
+        return find_spec(module) is not None
+    except ModuleNotFoundError:
+        # the package that it would be part of
+        return False
 
 
 def check_packages(services: Iterable[str], *, rerun_wanted: bool, has: Has) -> list[Check]:

@@ -122,6 +122,10 @@ def devices(settings: Settings) -> list[Check]:
         from wayline_cli.listen_serial import listen  # noqa: PLC0415
 
         checks += check_receivers(settings.nmea, listen, serial_devices)
+    if settings.avl and is_installed("httpx2"):
+        from wayline_cli.check_agency import check_agencies  # noqa: PLC0415
+
+        checks += check_agencies(settings.avl, os.environ)
     if settings.can and is_installed("can") and is_installed("isotp"):
         from wayline_can_ingest.diagnosis.opening import try_can  # noqa: PLC0415
         from wayline_cli.check_can import check_can  # noqa: PLC0415

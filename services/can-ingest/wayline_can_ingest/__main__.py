@@ -43,6 +43,7 @@ def build(settings: Settings, options: Namespace) -> Service:
 
 def live(settings: Settings) -> Service:
     """The service on the configured buses. Raises InputError."""
+    settings.own_vehicle()
     vehicle = settings.vehicle
     cores: dict[str, CanIngestCore] = {}
     buses: dict[str, Interface] = {}

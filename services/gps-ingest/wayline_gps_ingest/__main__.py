@@ -1,7 +1,8 @@
-"""The gps-ingest process: receivers, or a drive's recordings, onto the bus."""
+"""The gps-ingest process: receivers and agencies' vehicles, or recordings, onto the bus."""
 
+import os
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from wayline.drive_file import load_drive
 from wayline.host_clock import EARLIEST_NS
@@ -13,8 +14,10 @@ from wayline.settings import Settings
 from wayline.shell import main as run_shell
 from wayline.shell import plain_app, player
 from wayline.telemetry import Telemetry
+from wayline_gps_ingest.agency_key import key_of
 from wayline_gps_ingest.core import GpsIngestCore
 from wayline_gps_ingest.gpsd import GpsdCore
+from wayline_gps_ingest.realtime_feed import RealtimeFeed
 from wayline_gps_ingest.receiver_metrics import ReceiverCollector
 from wayline_gps_ingest.receivers import FixNotes, Receiver
 from wayline_gps_ingest.recorded import recordings
@@ -32,27 +35,33 @@ def build(settings: Settings, options: Namespace) -> Service:
 
 
 def live(settings: Settings) -> Service:
-    """The service on the configured receivers. Raises InputError."""
-    receivers = {
-        name: Receiver(name, nmea)
-        for name, nmea in zip(source_names(NAME), settings.nmea, strict=False)
-    }
+    """The service on the configured receivers and agencies. Raises InputError."""
+    if settings.nmea:
+        settings.own_vehicle()
+    names = source_names(NAME)
+    heard = [Receiver(next(names), nmea) for nmea in settings.nmea]
+    receivers = {receiver.name: receiver for receiver in heard}
+    agencies = [RealtimeFeed(next(names), avl, key_of(avl, os.environ)) for avl in settings.avl]
 
     def make_node(vehicle_id: str, source: str) -> Node:
         del vehicle_id
-        receiver, latency_s = receivers[source], settings.vehicle.gps_latency_s
+        latency_s = settings.vehicle.gps_latency_s
+        if source not in receivers:
+            return Node(source, GpsIngestCore(latency_s, clock_from_ns=EARLIEST_NS))
+        receiver = receivers[source]
         kind = GpsdCore if receiver.is_gpsd else GpsIngestCore
         core = kind(latency_s, clock_from_ns=EARLIEST_NS)
         receiver.faults = lambda: core.faults
         return Node(source, core)
 
+    feeds: Sequence[Receiver | RealtimeFeed] = [*heard, *agencies]
     return Service(
         NAME,
         make_node,
-        feeds=list(receivers.values()),
+        feeds=feeds,
         views=[FixNotes(receivers)],
         make_app=app_with_receivers(settings, receivers),
-        bad_input=lambda: sum(sum(each.faults().values()) for each in receivers.values()),
+        bad_input=lambda: sum(sum(each.faults().values()) for each in feeds),
     )
 
 

@@ -213,4 +213,5 @@ class GpsIngestCore:
         if fix is None:
             self._faults["report"] += 1
             return []
+        self._received_ns = report.received_ns
         return self._at(fix, report.t_ns)

@@ -119,7 +119,7 @@ class FixNotes:
     def put(self, vehicle_id: str, message: Message, source: str, receipt: Receipt) -> None:
         """Take a published message; valid fixes count."""
         del vehicle_id, receipt
-        if isinstance(message, GpsFix) and message.valid:
+        if isinstance(message, GpsFix) and message.valid and source in self._receivers:
             self._receivers[source].fixed()
 
     def forget(self, vehicle_id: str) -> None:

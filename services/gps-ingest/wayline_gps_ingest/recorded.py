@@ -14,6 +14,7 @@ from wayline.received import Account, Recording, source_names, translated
 from wayline.text_file import TextFile
 from wayline_gps_ingest.core import GpsIngestCore
 from wayline_gps_ingest.gpsd import GpsdCore, GpsdReport
+from wayline_gps_ingest.recorded_agency import agency_recording
 
 READABLE = "give a receiver's log of GGA, RMC, GLL, GNS or the like, as it came from the line"
 
@@ -24,7 +25,7 @@ def recordings(drive: Drive, where: str) -> list[Recording]:
     names = source_names("gps-ingest")
     return [
         *(_receiver(nmea, drive.vehicle, next(names)) for nmea in drive.nmea),
-        *(_reports(avl, drive.vehicle, next(names)) for avl in drive.avl),
+        *(_reports(avl, drive, next(names)) for avl in drive.avl),
     ]
 
 
@@ -77,7 +78,13 @@ def _gpsd(path: Path, vehicle: Vehicle, name: str) -> Recording:
     return Recording(name, messages, lambda: core.bad_input + log.is_broken, nothing=nothing)
 
 
-def _reports(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:
+def _reports(source: AvlSource, drive: Drive, name: str) -> Recording:
+    if source.columns is None:
+        return agency_recording(source, drive.drive.vehicle_id, drive.vehicle, name)
+    return _table(source, drive.vehicle, name)
+
+
+def _table(source: AvlSource, vehicle: Vehicle, name: str) -> Recording:
     core = GpsIngestCore(vehicle.gps_latency_s, recorded=True)
     latency_ns = round(vehicle.gps_latency_s * 1e9)
     log = ReportLog(source)

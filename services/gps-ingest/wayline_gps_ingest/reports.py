@@ -7,12 +7,8 @@ SATELLITES_MAX = 255
 
 
 def fix_of_report(report: PositionReport) -> GpsFix | None:
-    """The report as a fix not yet stamped (t_ns 0), or None where its position cannot be one.
-
-    0 degrees north and east is what such systems write for a vehicle that they have lost.
-    """
-    in_range = abs(report.lat_deg) <= 90.0 and abs(report.lon_deg) <= 180.0
-    if not in_range or (report.lat_deg == 0.0 and report.lon_deg == 0.0):
+    """The report as a fix not yet stamped (t_ns 0), or None where its position cannot be one."""
+    if not has_place(report):
         return None
     return GpsFix(
         t_ns=0,
@@ -28,6 +24,15 @@ def fix_of_report(report: PositionReport) -> GpsFix | None:
         pdop=_dilution(report.pdop),
         assignment=_text(report.assignment),
     )
+
+
+def has_place(report: PositionReport) -> bool:
+    """Whether a position can be one.
+
+    0 degrees north and east is what such systems write for a vehicle that they have lost.
+    """
+    in_range = abs(report.lat_deg) <= 90.0 and abs(report.lon_deg) <= 180.0
+    return in_range and not (report.lat_deg == 0.0 and report.lon_deg == 0.0)
 
 
 def _speed_mps(speed_mps: float | None) -> float | None:

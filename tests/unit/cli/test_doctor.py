@@ -292,7 +292,9 @@ def test_missing_packages_are_named_with_their_extra() -> None:
     )
     service = nothing["packages of gps-ingest"]
     assert service == wrong(
-        "packages of gps-ingest", "pynmea2, serial missing", 'pip install "wayline[gps-ingest]"'
+        "packages of gps-ingest",
+        "google.transit, httpx2, pynmea2, serial missing",
+        'pip install "wayline[gps-ingest]"',
     )
     assert nothing["package rerun"].mark is Mark.WRONG
     assert nothing["package asammdf"].mark is Mark.NOTE

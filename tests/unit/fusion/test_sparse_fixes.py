@@ -160,6 +160,21 @@ def test_with_wheels_and_gyro_seldom_fixes_are_believed_and_predicted(every_s: i
     assert max(late) < 20.0
 
 
+@pytest.mark.parametrize("off_deg", [4.0, -4.0])
+def test_one_course_off_by_degrees_among_seldom_ones_bends_no_way(off_deg: float) -> None:
+    truths = truth_of(winding, 1199.0)
+    sensors = Sensors(gyro_bias_degps=0.3, odometer_scale=0.98, gps_noise_m=1.5)
+    glitch = [
+        msgspec.structs.replace(message, course_deg=((message.course_deg or 0.0) + off_deg) % 360.0)
+        if isinstance(message, GpsFix) and round(seconds_of(message.t_ns)) == 720
+        else message
+        for message in messages_of(winding, truths, sensors)
+    ]
+    out, poses = fused(thinned(glitch, 60, can=True))
+    assert refused(out) == []
+    assert max(error_m(pose, truths) for pose in poses if seconds_of(pose.t_ns) > 600.0) < 15.0
+
+
 def test_reports_without_speed_tell_it_by_where_they_have_moved() -> None:
     truths, messages = driven(winding, 599.0)
     out, poses = fused(thinned(messages, 10, ["speed_mps", "course_deg"]))

@@ -116,6 +116,7 @@ def test_tables_as_programs_export_them_are_read(tmp_path: Path, content: bytes)
     """Semicolons, tabs, decimal commas, packed, in the encodings of Excel."""
     table = source(tmp_path, "")
     Path(table.path).write_bytes(content)
+    assert table.columns is not None
     columns = msgspec.structs.replace(table.columns, time="Zeit")
     assert list(read_reports(msgspec.structs.replace(table, columns=columns))) == [REPORT]
 

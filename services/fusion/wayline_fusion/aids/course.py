@@ -5,7 +5,7 @@ import math
 import msgspec
 
 from wayline.agreement import Agreement, Off, rejected
-from wayline.likelihood import Measurement
+from wayline.likelihood import Floats, Measurement, weighed
 from wayline_fusion.filter import measurements
 from wayline_fusion.filter.estimate import Estimate, Turn
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
@@ -20,6 +20,9 @@ BIAS_DOUBT_FACTOR = 3.0
 again so."""
 UNTIMED_STD_RAD = math.radians(10.0)
 """Of a course that is told without a speed, as position reports have it."""
+LIKELY_PROBABILITY = 0.95
+"""A single course may be off by degrees among many that are not; beside a gyro one less likely than
+this counts for less, so that the way since the last fix is not bent by it."""
 AGREEING_SHARE = 0.5
 """Rejected courses agree when none is off by less than this share of the one before; while the
 heading is wrong and the vehicle turns they may be off by more."""
@@ -36,9 +39,10 @@ class Course:
     """Courses over ground of fixes.
 
     Starts: the first one at speed sets the heading. Goes on: each likely one corrects, with a
-    std that grows in turns. Stops: below `course_speed_min_mps` a course is noise; an unlikely one
-    is rejected. Resets: rejected ones that are off to one side for `course_relock_after_s` set
-    the heading anew, the gyro's bias and the way since are doubted.
+    std that grows in turns; beside a gyro one less likely than 95 % counts for less. Stops: below
+    `course_speed_min_mps` a course is noise; an unlikely one is rejected. Resets: rejected ones
+    that are off to one side for `course_relock_after_s` set the heading anew, the gyro's bias and
+    the way since are doubted.
     """
 
     def __init__(self, turn: Turn) -> None:
@@ -72,7 +76,8 @@ class Course:
 
         turns_told = estimate.gyro.covers(course.t_ns)
         look = None if turns_told else second_look
-        policy = Policy(tuning.gate_probability, second_look=look)
+        weigh = _weighed if turns_told else None
+        policy = Policy(tuning.gate_probability, second_look=look, weigh=weigh)
         outcome = try_measurement(estimate, measurement, course.t_ns, policy)
         if outcome.is_accepted:
             self.evidence = CourseEvidence()
@@ -158,3 +163,8 @@ def _doppler_mps(estimate: Estimate, course: GpsCourse) -> float:
     across_mps = abs(estimate.filter.speed_mps) * estimate.filter.std(States.HEADING)
     is_better = across_mps > course.own_speed_std_mps
     return course.own_speed_std_mps if is_better else course.speed_std_mps
+
+
+def _weighed(measurement: Measurement, expected: Floats) -> Measurement:
+    """One that is unlikely beside the gyro counts for as much less."""
+    return weighed(measurement, expected, LIKELY_PROBABILITY)

@@ -32,8 +32,8 @@ UNSURE_HEADING_RAD = math.radians(20.0)
 """A way in a direction as unsure is off by more than derivatives say."""
 REFLECTED_S = 30.0
 """What fixes are off by more than they claim are reflections, which change along the street."""
-OFTEN_S = 5.0
-"""Between fixes that are enough for the shape of a way."""
+OFTEN_S = 11.0
+"""Between fixes of which a track of 90 s holds eight, enough for the shape of a way."""
 COURSE_HELD_S = 60.0
 """A vehicle that stands for longer may have a course again, or not."""
 LONGEST_STEP_NS = 500_000_000
