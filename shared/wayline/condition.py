@@ -57,7 +57,8 @@ class Condition:
         service, inbox, now_ns = self._service, self._inbox, told_ns()
         self._readiness.note(self._lacks(now_s), now_s)
         reporting = (*service.feeds, service.store)
-        details = joined([each.detail for each in reporting if each and each.detail])
+        said = [*(each.detail for each in reporting if each), service.notice()]
+        details = joined([each for each in said if each])
         health = self._health = self._telemetry.health(
             now_ns,
             now_s,

@@ -175,9 +175,20 @@ class Vehicle(Strict, frozen=True, kw_only=True):
 
 
 class PathRef(Strict, frozen=True, kw_only=True):
-    """`[route]` and `[truth]`: a file beside the drive."""
+    """`[truth]`: a file beside the drive."""
 
     path: str
+
+
+class RouteRef(Strict, frozen=True, kw_only=True):
+    """`[route]`: the route that a drive follows, or those of which it follows one."""
+
+    path: str | tuple[str, ...]
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """One file or several."""
+        return (self.path,) if isinstance(self.path, str) else self.path
 
 
 class Assignment(Strict, frozen=True, kw_only=True):
@@ -206,6 +217,6 @@ class Drive(Strict, frozen=True, kw_only=True):
     avl: tuple[AvlSource, ...] = ()
     vehicle: Vehicle = msgspec.field(default_factory=Vehicle)
     tuning: Tuning = msgspec.field(default_factory=Tuning)
-    route: PathRef | None = None
+    route: RouteRef | None = None
     truth: PathRef | None = None
     assignment: Assignment | None = None

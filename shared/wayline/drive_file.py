@@ -4,7 +4,7 @@ from pathlib import Path
 
 import msgspec
 
-from wayline.drive import Drive, PathRef
+from wayline.drive import Drive, PathRef, RouteRef
 from wayline.errors import InputError
 from wayline.profile import with_profiles
 from wayline.strict import fitted
@@ -51,6 +51,6 @@ def load_drive(folder: Path) -> Drive:
             replace(avl, path=found(avl.path, may_be_folder=avl.columns is None))
             for avl in drive.avl
         ),
-        route=located(drive.route),
+        route=RouteRef(path=tuple(map(found, drive.route.paths))) if drive.route else None,
         truth=located(drive.truth),
     )

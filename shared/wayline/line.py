@@ -1,5 +1,6 @@
 """Pure: a directed line on the ground (a route, a road) measured in metres along it."""
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +9,10 @@ from numpy.typing import NDArray
 from wayline.geo import WGS84, metres_per_degree, wrap_360
 
 Floats = NDArray[np.float64]
+
+
+TURNED_DEG = 90.0
+"""A place farther from a line's first vertex may be nearer the other way round the Earth."""
 
 
 class Projection(NamedTuple):
@@ -37,6 +42,12 @@ class Line:
         self.legs_m: Floats = np.asarray(legs)
         self.headings_deg: Floats = np.asarray(headings) % 360.0
         self.distances_m: Floats = np.concatenate(([0.0], np.cumsum(self.legs_m)))
+
+    @cached_property
+    def _turned_lons_deg(self) -> Floats:
+        """Longitudes of one turn with the first vertex's."""
+        first_deg = self.lons_deg[0]
+        return np.asarray((self.lons_deg - first_deg + 180.0) % 360.0 - 180.0 + first_deg)
 
     @property
     def length_m(self) -> float:
@@ -97,25 +108,30 @@ class Line:
     ) -> "LegProjections":
         """The nearest point of every leg; legs outside the stretch are infinitely far."""
         north_m_per_deg, east_m_per_deg = metres_per_degree(lat_deg)
-        east_m = ((self.lons_deg - lon_deg + 180.0) % 360.0 - 180.0) * east_m_per_deg
+        east_m = (self._turned_lons_deg - lon_deg) * east_m_per_deg
+        if abs(self._turned_lons_deg[0] - lon_deg) > TURNED_DEG:
+            east_m = ((self.lons_deg - lon_deg + 180.0) % 360.0 - 180.0) * east_m_per_deg
         north_m = (self.lats_deg - lat_deg) * north_m_per_deg
-        leg_east, leg_north = np.diff(east_m), np.diff(north_m)
+        leg_east, leg_north = east_m[1:] - east_m[:-1], north_m[1:] - north_m[:-1]
         squared = np.maximum(leg_east**2 + leg_north**2, 1e-12)
         share = -(east_m[:-1] * leg_east + north_m[:-1] * leg_north) / squared
-        lengths = np.maximum(self.legs_m, 1e-6)
-        low = np.clip((from_m - self.distances_m[:-1]) / lengths, 0.0, 1.0)
-        high = np.clip((to_m - self.distances_m[:-1]) / lengths, 0.0, 1.0)
-        share = np.clip(share, low, high)
+        whole = from_m <= 0.0 and to_m >= self.length_m
+        share = np.clip(share, 0.0, 1.0) if whole else self._clipped(share, from_m, to_m)
         offset_east = east_m[:-1] + share * leg_east
         offset_north = north_m[:-1] + share * leg_north
         offsets_m = np.hypot(offset_east, offset_north)
-        outside = (self.distances_m[1:] < from_m) | (self.distances_m[:-1] > to_m)
+        if not whole:
+            outside = (self.distances_m[1:] < from_m) | (self.distances_m[:-1] > to_m)
+            offsets_m = np.where(outside, np.inf, offsets_m)
         sides = leg_east * offset_north - leg_north * offset_east
-        return LegProjections(
-            self.distances_m[:-1] + share * self.legs_m,
-            np.where(outside, np.inf, offsets_m),
-            sides,
-        )
+        return LegProjections(self.distances_m[:-1] + share * self.legs_m, offsets_m, sides)
+
+    def _clipped(self, shares: Floats, from_m: float, to_m: float) -> Floats:
+        """Shares of the legs, within a stretch of the line."""
+        lengths = np.maximum(self.legs_m, 1e-6)
+        low = np.clip((from_m - self.distances_m[:-1]) / lengths, 0.0, 1.0)
+        high = np.clip((to_m - self.distances_m[:-1]) / lengths, 0.0, 1.0)
+        return np.asarray(np.clip(shares, low, high))
 
 
 class LegProjections(NamedTuple):

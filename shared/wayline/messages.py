@@ -265,6 +265,8 @@ class StopArrival(msgspec.Struct, frozen=True, kw_only=True):
     """Of the arrival, by the timetable."""
     trip_id: Text | None = None
     """Where it is of a later trip than the one under way: of the same block."""
+    confidence: Literal["learned", "timetable", "planned"] | None = None
+    """What it rests on: travel times that were learned, a timetable's, a route's planned speeds."""
 
 
 class Arrivals(Message, frozen=True, kw_only=True):
@@ -275,10 +277,36 @@ class Arrivals(Message, frozen=True, kw_only=True):
 
     route_id: Text
     trip_id: Text | None = None
+    headsign: Text | None = None
+    """Where the trip under way goes, as its vehicle shows."""
     stale: bool
     position_ns: TimeNs | None = None
     """Instant of the position that this rests on."""
     stops: Annotated[tuple[StopArrival, ...], AtMost] = ()
+
+
+StopEventKind = Literal["arrived", "departed", "passed", "skipped"]
+
+
+class StopEvent(Message, frozen=True, kw_only=True):
+    """A vehicle came to a stop of its route and stood, left it, passed it or left it out."""
+
+    topic: ClassVar[str] = "stop_event"
+    rate_hz: ClassVar[float] = 0.05
+
+    route_id: Text
+    trip_id: Text | None = None
+    stop_id: Text
+    stop_sequence: Count
+    """The timetable's; of a route without one its stops are counted from 1."""
+    kind: StopEventKind
+    scheduled_ns: TimeNs | None = None
+    """By the timetable: of the departure where that is told, else of the arrival."""
+    distance_m: NonNegative
+    """Of the stop along the route."""
+    lap: Count = 0
+    interpolated: bool = False
+    """The vehicle was not seen then: the instant is reckoned from what was seen before and after"""
 
 
 class HorizonPoint(msgspec.Struct, frozen=True, kw_only=True):
@@ -354,6 +382,7 @@ MESSAGES: tuple[type[Message], ...] = (
     FusionStatus,
     Progress,
     Arrivals,
+    StopEvent,
     Horizon,
     Health,
 )

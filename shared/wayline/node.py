@@ -39,6 +39,7 @@ class Node:
         `age_ns` is how old the message was when it came, by the host's clock.
         """
         if type(message) in self.timeless:
+            self.wakes_ns = 0  # what it waits for may never come
             yield from self.give(message, source)
             return
         if self._grid is not None:

@@ -100,6 +100,8 @@ class Service:
     store: Storage | None = None
     bad_input: Callable[[], int] = lambda: 0
     """What the cores and feeds have counted and dropped."""
+    notice: Callable[[], str | None] = lambda: None
+    """What else `health` should say now."""
     is_recorded: bool = False
     """The feeds play a recording."""
     is_announced: bool = True

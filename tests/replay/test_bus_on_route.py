@@ -76,7 +76,7 @@ def told(recorded: Callable[[str], Path]) -> list[Told]:
 
 def _told(messages: object) -> list[Told]:
     match messages:
-        case [Progress() as progress, Arrivals() as arrivals]:
+        case [*_, Progress() as progress, Arrivals() as arrivals]:  # after what happened at stops
             return [Told(clock_of(progress), progress, arrivals)]
     return []
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 from rich.console import Console
 
-from wayline_bench import fleet, fusion, ingest
+from wayline_bench import eta, fleet, fusion, ingest, timetable
 from wayline_bench.rounds import Say
 from wayline_bench.row import Row, table
 
@@ -17,7 +17,9 @@ Bench = Callable[[Say], list[Row]]
 BENCHES: dict[str, Bench] = {
     "fusion": fusion.bench,
     "ingest": ingest.bench,
+    "eta": eta.bench,
     "fleet": fleet.bench,
+    "timetable": timetable.bench,
 }
 
 

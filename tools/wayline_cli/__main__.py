@@ -21,7 +21,7 @@ from wayline import __version__
 from wayline.errors import InputError
 from wayline_cli.doctor_command import doctor_app
 from wayline_evaluation.commands import evaluate_app
-from wayline_simulator.command import simulate_command
+from wayline_simulator.command import simulate_app
 
 if TYPE_CHECKING:
     from wayline.settings import BusSettings
@@ -39,7 +39,7 @@ timetable_app = typer.Typer(help="Timetables: GTFS feeds.", no_args_is_help=True
 app.add_typer(route_app, name="route")
 app.add_typer(timetable_app, name="timetable")
 app.add_typer(evaluate_app, name="evaluate")
-app.command("simulate")(simulate_command)
+app.add_typer(simulate_app, name="simulate")
 app.add_typer(slope_app, name="slope")
 app.add_typer(doctor_app, name="doctor")
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import msgspec
 
 from wayline.errors import InputError
+from wayline.route_file import load_route
 from wayline.services import SERVICES
 from wayline_cli.up import Child, service_command
 from wayline_simulator.drive_folder import simulate
@@ -104,6 +105,8 @@ def prepare(folder: Path, ports: Ports) -> Demo:
     has_rerun = find_spec("rerun") is not None
     routes = [str(shuttle / "route.geojson"), str(truck / "route.geojson")]
     of_all = _configuration(folder, ports, ports.http, routes, has_rerun=has_rerun)
+    # the shuttle runs by a timetable, on which its lap is late; the truck has its route
+    of_all = f"feeds = {_toml([str(shuttle / 'feed')])}\n{of_all}" + _assigned(truck)
     # with one route, its line is the road, and a lap is learned as soon as it ends
     of_slopes = _configuration(folder, ports, ports.http, routes[1:], has_rerun=False)
     truck_ports = ports.http | {"gps-ingest": ports.http[TRUCK_GPS]}
@@ -134,27 +137,39 @@ def _player(service: str, config: Path, drive: Path) -> tuple[str, ...]:
 def _configuration(
     folder: Path, ports: Ports, http: dict[str, int], routes: list[str], *, has_rerun: bool
 ) -> str:
-    """A configuration file's text; JSON's strings and lists are TOML's too."""
-
-    def toml(value: object) -> str:
-        return msgspec.json.encode(value).decode()
-
+    """A configuration file's text."""
     database_url = f"sqlite:///{folder / 'wayline.db'}"
     own_ports = (f"{name} = {port}" for name, port in http.items() if name in SERVICES)
     lines = (
         "# written by wayline demo",
         'vehicles = ["*"]',
-        f"database_url = {toml(database_url)}",
-        f"routes = {toml(routes)}",
+        f"database_url = {_toml(database_url)}",
+        f"routes = {_toml(routes)}",
         "[bus]",
-        f"connect = {toml([f'tcp/{LOOPBACK}:{ports.router}'])}",
+        f"connect = {_toml([f'tcp/{LOOPBACK}:{ports.router}'])}",
         "[ports]",
         *own_ports,
         "[rerun]",
-        f"enabled = {toml(has_rerun)}",
+        f"enabled = {_toml(has_rerun)}",
         f"port = {ports.rerun}",
     )
     return "\n".join((*lines, ""))
+
+
+def _assigned(drive: Path) -> str:
+    """What says that the truck follows the route of its drive."""
+    route = load_route(drive / "route.geojson")
+    lines = (
+        "[[assignment]]",
+        f"vehicle_id = {_toml(TRUCK_ID)}",
+        f"route_id = {_toml(route.route_id)}",
+    )
+    return "\n".join((*lines, ""))
+
+
+def _toml(value: object) -> str:
+    """JSON's strings and lists are TOML's too."""
+    return msgspec.json.encode(value).decode()
 
 
 def _written(path: Path, text: str) -> Path:

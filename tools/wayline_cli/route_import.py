@@ -48,7 +48,7 @@ def import_route(source: Path, wishes: Wishes, notes: Notes | None = None) -> Ro
     if is_feed(source):
         notes = notes or Notes()
         timetable = read_timetable(source, notes)
-        return route_of_trip(timetable, wishes.trip or only_trip(timetable), notes).route
+        return route_of_trip(timetable, wishes.trip or only_trip(timetable), notes)
     line = only_line(source, _lines(source), wishes.line)
     route_id = wishes.route_id or line.line_id or source.name.partition(".")[0]
     return route_from_line(source, line, route_id, wishes)

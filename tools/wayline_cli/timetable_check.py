@@ -12,6 +12,7 @@ from wayline.timetable.model import Timetable
 from wayline.timetable.notes import Note, Notes
 from wayline.timetable.reading import read_timetable
 from wayline.timetable.trip_route import PatternRoutes, note_times
+from wayline.timetable.versions import last_day
 
 
 def check_timetable(path: Path, today: dt.date, console: Console) -> None:
@@ -43,7 +44,7 @@ def _patterns_tried(timetable: Timetable, notes: Notes) -> Iterable[float]:
 
 
 def _note_calendar(timetable: Timetable, today: dt.date, notes: Notes) -> None:
-    last = max((service.ends for service in timetable.services), default=0)
+    last = last_day(timetable)
     if last < today.toordinal():
         ended = dt.date.fromordinal(last) if last else "never began"
         notes.add("marked", "calendar.txt", "no service runs any longer", f"ended {ended}")

@@ -53,7 +53,8 @@ def view(
     """Record a drive's folder, a replay's output folder or an MCAP file for Rerun.
 
     Without `save` the viewer is opened on it and waited for. The route drawn is `route_path`'s,
-    else the drive's own. `progressed` gets the seconds replayed, of a drive. Raises InputError.
+    else the drive's own where it has one. `progressed` gets the seconds replayed, of a drive.
+    Raises InputError.
     """
     if save is None:
         _check_display()
@@ -70,10 +71,11 @@ def _record(
 ) -> Viewed:
     if is_drive(source):
         drive = load_drive(source)
-        if route_path is None and drive.route is not None:
-            route_path = Path(drive.route.path)
+        own = [Path(each) for each in drive.route.paths] if drive.route else []
+        route_paths = [route_path] if route_path else own
+        route_path = route_paths[0] if len(route_paths) == 1 else None
         out = scratch / "replay"
-        replay(source, out, route_paths=[route_path] if route_path else [], progressed=progressed)
+        replay(source, out, route_paths=route_paths, progressed=progressed)
         source = out
     started = time.perf_counter()
     messages = read_logged(source)

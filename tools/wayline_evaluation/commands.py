@@ -164,6 +164,46 @@ def sparse_command(
         plot_sparse(shown, plot)
 
 
+@evaluate_app.command("trips")
+def trips_command(
+    drives: Drives,
+    *,
+    feed: Annotated[list[Path], typer.Option(help="A GTFS feed; may be repeated.")],
+    out: Out = None,
+    json: Json = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Whether the trip of a timetable that a vehicle runs is found, on drives that tell it."""
+    from wayline_evaluation.replays import Options
+    from wayline_evaluation.trip_study import trip_study
+    from wayline_evaluation.trip_table import trip_table
+
+    check_targets(json, None)
+    with progress() as progressed:
+        report = trip_study(drives, feed, Options(out=out, jobs=jobs), progressed)
+    _tell([trip_table(report)], report, json)
+
+
+@evaluate_app.command("eta")
+def eta_command(
+    drives: Drives,
+    *,
+    feed: Annotated[list[Path], typer.Option(help="A GTFS feed; may be repeated.")],
+    out: Out = None,
+    json: Json = None,
+    jobs: Jobs = 1,
+) -> None:
+    """How well vehicles are followed along their trips and their arrivals told."""
+    from wayline_evaluation.arrival_study import arrival_study
+    from wayline_evaluation.arrival_table import arrival_table
+    from wayline_evaluation.replays import Options
+
+    check_targets(json, None)
+    with progress() as progressed:
+        report = arrival_study(drives, feed, Options(out=out, jobs=jobs), progressed)
+    _tell([arrival_table(report)], report, json)
+
+
 @evaluate_app.command("slope")
 def slope_command(
     drives: Drives,

@@ -15,7 +15,10 @@ EMPTY_CELL = re.compile(r"(?<=,)(?=,|$)", re.MULTILINE)
 
 
 def read_truth(path: Path) -> Reference:
-    """The truth; columns besides time and place may be missing. Raises InputError."""
+    """The truth; columns besides time and place may be missing, others may be there.
+
+    Raises InputError.
+    """
     try:
         header, _, body = path.read_text(encoding="utf-8").partition("\n")
     except (OSError, UnicodeDecodeError) as error:
@@ -24,14 +27,16 @@ def read_truth(path: Path) -> Reference:
     if missing := [name for name in NEEDED if name not in names]:
         mend = f"give the columns {', '.join(NEEDED)}"
         raise InputError(str(path), f"no column {missing[0]}", mend)
+    read = [name for name in names if name in {*NEEDED, *OPTIONAL}]
+    places = [names.index(name) for name in read]
     try:
         lines = io.StringIO(EMPTY_CELL.sub("nan", body))
-        table = np.loadtxt(lines, delimiter=",", ndmin=2, dtype=np.float64)
+        table = np.loadtxt(lines, delimiter=",", ndmin=2, dtype=np.float64, usecols=places)
     except ValueError as error:
         raise InputError(str(path), str(error), "write numbers in every row") from None
-    if len(table) < 2 or table.shape[1] != len(names):
-        raise InputError(str(path), "has too few rows or columns", "write it again")
-    columns = dict(zip(names, table.T, strict=True))
+    if len(table) < 2:
+        raise InputError(str(path), "has too few rows", "write it again")
+    columns = dict(zip(read, table.T, strict=True))
     if not np.all(np.diff(columns["t_s"]) > 0.0):
         raise InputError(str(path), "t_s does not increase", "sort its rows")
     place = (columns[name] for name in NEEDED)

@@ -70,7 +70,7 @@ def replay(
         tuning = msgspec.structs.replace(drive.tuning, architecture=architecture)
         drive = msgspec.structs.replace(drive, tuning=tuning)
     if not route_paths and drive.route is not None:
-        route_paths = [Path(drive.route.path)]
+        route_paths = [Path(path) for path in drive.route.paths]
     routes = tuple(load_route(path) for path in route_paths)
     assigned = [drive.assignment.name] if drive.assignment else []
     timetables = tuple(load_timetable(path, database_url) for path in feed_paths)

@@ -1,6 +1,5 @@
 """`wayline simulate`: what is asked for on the command line over what a scenario file says."""
 
-import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,15 +9,20 @@ from rich.console import Console
 from rich.table import Table
 
 from wayline.errors import InputError
+from wayline_simulator.folders import check_empty
+from wayline_simulator.network.command import network_command
 
 if TYPE_CHECKING:
     from wayline_simulator.drive_folder import Written
     from wayline_simulator.scenario import Scenario
 
+simulate_app = typer.Typer()
 ROAD_FILES = (".geojson", ".json", ".gpx", ".csv")
 
 
+@simulate_app.callback(invoke_without_command=True)
 def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
+    context: typer.Context,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the drive; several runs get folders in it.")
     ] = None,
@@ -45,13 +49,15 @@ def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
     force: Annotated[bool, typer.Option("--force", help="Write into a folder with files.")] = False,
 ) -> None:
     """Make drives with known truth: NMEA and CAN files as devices would write them."""
+    if context.invoked_subcommand is not None:
+        return
     if list_:
         _print_scenarios()
         return
     if out is None:
         raise InputError("--out", "no folder to write the drive to", "give --out FOLDER")
     if not force:
-        _check_empty(out)
+        check_empty(out)
     from wayline_simulator.drive_folder import simulate  # noqa: PLC0415  -- slow to import
 
     wanted, beside = _scenario(scenario)
@@ -70,13 +76,7 @@ def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
     typer.echo(f"{driven_s:,.0f} s driven, {driven_s / elapsed_s:,.0f} times faster than real time")
 
 
-def _check_empty(out: Path) -> None:
-    """Asks on a terminal whether files may be overwritten; elsewhere they may not."""
-    if not out.is_dir() or next(out.iterdir(), None) is None:
-        return
-    question = f"{out} has files; write the drive over and beside them?"
-    if not sys.stdin.isatty() or not typer.confirm(question):
-        raise InputError(str(out), "has files already", "name an empty folder, or give --force")
+simulate_app.command("network")(network_command)
 
 
 def _scenario(name: str | None) -> "tuple[Scenario, Path]":

@@ -34,7 +34,10 @@ def _read_drive(folder: Path) -> LineFile:
     if drive.truth is not None:
         return _read_truth(Path(drive.truth.path))
     if drive.route is not None:
-        return _read_geojson(Path(drive.route.path))
+        if len(drive.route.paths) > 1:
+            what = f"a drive with {len(drive.route.paths)} routes"
+            raise InputError(str(folder), what, "name the file of one")
+        return _read_geojson(Path(drive.route.paths[0]))
     raise InputError(str(folder), "a drive without truth and without route", MEND)
 
 

@@ -1,6 +1,15 @@
 """Pure: each bus message as the section of the view that it fills."""
 
-from wayline.messages import Arrivals, FusionStatus, GpsFix, Health, Horizon, Pose, Progress
+from wayline.messages import (
+    Arrivals,
+    FusionStatus,
+    GpsFix,
+    Health,
+    Horizon,
+    Pose,
+    Progress,
+    StopArrival,
+)
 from wayline.rfc3339 import rfc3339
 from wayline_dashboard.ellipse import ellipse_of
 from wayline_dashboard.view import (
@@ -84,24 +93,35 @@ def progress_view(progress: Progress) -> ProgressView:
         lap=progress.lap,
         cross_track_m=progress.cross_track_m,
         on_route=progress.on_route,
+        delay_s=progress.delay_s,
     )
 
 
 def arrivals_view(arrivals: Arrivals) -> ArrivalsView:
     """The next arrival at each stop, soonest first."""
-    stops = tuple(
-        StopView(
-            stop_id=stop.stop_id,
-            name=stop.name,
-            distance_m=stop.distance_m,
-            arrival=rfc3339(stop.arrival_ns),
-            early=rfc3339(stop.early_ns),
-            late=rfc3339(stop.late_ns),
-        )
-        for stop in sorted(arrivals.stops, key=lambda stop: stop.arrival_ns)
-    )
     return ArrivalsView(
-        t=rfc3339(arrivals.t_ns), route_id=arrivals.route_id, stale=arrivals.stale, stops=stops
+        t=rfc3339(arrivals.t_ns),
+        route_id=arrivals.route_id,
+        trip_id=arrivals.trip_id,
+        headsign=arrivals.headsign,
+        stale=arrivals.stale,
+        stops=tuple(map(_stop_view, sorted(arrivals.stops, key=lambda stop: stop.arrival_ns))),
+    )
+
+
+def _stop_view(stop: StopArrival) -> StopView:
+    scheduled_ns = stop.scheduled_ns
+    delay_s = None if scheduled_ns is None else (stop.arrival_ns - scheduled_ns) * 1e-9
+    return StopView(
+        stop_id=stop.stop_id,
+        name=stop.name,
+        distance_m=stop.distance_m,
+        arrival=rfc3339(stop.arrival_ns),
+        early=rfc3339(stop.early_ns),
+        late=rfc3339(stop.late_ns),
+        scheduled=None if scheduled_ns is None else rfc3339(scheduled_ns),
+        delay_s=delay_s,
+        trip_id=stop.trip_id,
     )
 
 

@@ -69,6 +69,8 @@ class ProgressView(msgspec.Struct, frozen=True, kw_only=True):
     lap: int
     cross_track_m: float
     on_route: bool
+    delay_s: float | None
+    """Behind the timetable."""
 
 
 class StopView(msgspec.Struct, frozen=True, kw_only=True):
@@ -80,6 +82,11 @@ class StopView(msgspec.Struct, frozen=True, kw_only=True):
     arrival: str
     early: str
     late: str
+    scheduled: str | None
+    delay_s: float | None
+    """Behind the timetable, when it comes."""
+    trip_id: str | None
+    """Of a later trip than the one under way."""
 
 
 class ArrivalsView(msgspec.Struct, frozen=True, kw_only=True):
@@ -87,6 +94,8 @@ class ArrivalsView(msgspec.Struct, frozen=True, kw_only=True):
 
     t: str
     route_id: str
+    trip_id: str | None
+    headsign: str | None
     stale: bool
     stops: tuple[StopView, ...]
 

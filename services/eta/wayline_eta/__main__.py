@@ -1,11 +1,13 @@
 """The eta process."""
 
+import datetime as dt
 import sys
 from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
 from wayline.database import DatabaseAwayError
+from wayline.host_clock import told_ns
 from wayline.keys import query_key
 from wayline.node import Node
 from wayline.route import Route
@@ -17,9 +19,10 @@ from wayline.shell import main as run_shell
 from wayline.timetable.loading import load_timetable, timetable_warnings
 from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
+from wayline.timetable.versions import ended_line
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
-from wayline_eta.core import assigned_routes, make_eta_core
+from wayline_eta.core import assigned_routes, eta_node
 from wayline_eta.timetable_core import timetable_node
 
 NAME = "eta"
@@ -29,7 +32,8 @@ def build(settings: Settings, options: Namespace) -> Service:
     """The service as configured."""
     del options
     routes = load_routes(settings)
-    make_node = _make_node(settings, routes)
+    timetables = _timetables(settings)
+    make_node = _make_node(settings, routes, timetables)
     board = EtaBoard()
     return Service(
         NAME,
@@ -40,6 +44,7 @@ def build(settings: Settings, options: Namespace) -> Service:
             board,
             routes,
             settings.http_of(NAME),
+            timetables=timetables,
             healthz=healthz,
             registry=telemetry.registry,
         ),
@@ -48,28 +53,43 @@ def build(settings: Settings, options: Namespace) -> Service:
                 board, vehicle_id, parameters
             )
         },
+        notice=lambda: ended_line(timetables, _today()),
     )
 
 
-def _make_node(settings: Settings, routes: Sequence[Route]) -> MakeNode:
-    """Cores on the configured timetables; without any on the configured routes."""
+def _timetables(settings: Settings) -> list[Timetable]:
+    """The configured ones, with what a user should know of them said."""
+    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
+    names = [each.name for each in settings.assignment] if timetables else []
+    ended = ended_line(timetables, _today())
+    for warning in (*timetable_warnings(timetables, names), *([ended] if ended else ())):
+        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
+    return timetables
+
+
+def _make_node(
+    settings: Settings, routes: Sequence[Route], timetables: Sequence[Timetable]
+) -> MakeNode:
+    """Cores on the configured timetables, of vehicles that no route is assigned to, or routes."""
     tuning = settings.tuning
     named = {each.vehicle_id: each.route_id for each in settings.assignment}
-    if not settings.feeds:
-        return lambda vehicle_id, _: Node(
-            NAME, make_eta_core(assigned_routes(routes, named.get(vehicle_id)), tuning)
-        )
-    timetables = [_loaded(Path(feed), settings.database_url) for feed in settings.feeds]
-    for warning in timetable_warnings(timetables, [each.name for each in settings.assignment]):
-        sys.stderr.write(f"wayline-{NAME}: warning: {warning}\n")
-    runs = Runs(timetables)
     assigned = {each.vehicle_id: each.name for each in settings.assignment}
+    of_routes = {route.route_id for route in routes}
+    runs = Runs(timetables)
 
     def make(vehicle_id: str, source: str) -> Node:
         del source
+        route_id = named.get(vehicle_id)
+        if not timetables or route_id in of_routes:
+            return eta_node(assigned_routes(routes, route_id), tuning)
         return timetable_node(runs, tuning, assigned.get(vehicle_id))
 
     return make
+
+
+def _today() -> dt.date:
+    """By the host's clock."""
+    return dt.datetime.fromtimestamp(told_ns() * 1e-9, dt.UTC).date()
 
 
 def _loaded(feed: Path, database_url: str | None) -> Timetable:

@@ -6,7 +6,7 @@ where a recording is played. Ages and seconds to go are counted from now whateve
 
 import msgspec
 
-from wayline.messages import GpsFix, Pose, PoseMode, Progress, StopArrival
+from wayline.messages import Arrivals, GpsFix, Pose, PoseMode, Progress, StopArrival
 from wayline.rfc3339 import rfc3339
 from wayline_eta.known import Heard, Known
 
@@ -41,6 +41,8 @@ class ProgressAnswer(msgspec.Struct, frozen=True, kw_only=True):
     cross_track_m: float
     distance_std_m: float
     speed_mps: float
+    delay_s: float | None
+    """Behind the timetable; null without one."""
 
 
 class VehicleAnswer(msgspec.Struct, frozen=True, kw_only=True):
@@ -66,11 +68,22 @@ class ArrivalAnswer(msgspec.Struct, frozen=True, kw_only=True):
     stop_id: str
     name: str
     vehicle_id: str
+    route_id: str
+    trip_id: str | None
+    headsign: str | None
+    """Of the trip under way; null of a later one."""
     distance_m: float
     """Along the route from where the vehicle was when this was predicted."""
     arrival: str
     early: str
     late: str
+    departure: str | None
+    scheduled: str | None
+    """By the timetable; null without one."""
+    delay_s: float | None
+    """How much later than that; negative is early."""
+    confidence: str | None
+    """learned, timetable or planned."""
     seconds: float
     """From now to the arrival; 0 where it is due."""
     age_s: float
@@ -129,6 +142,7 @@ def _progress(progress: Progress) -> ProgressAnswer:
         cross_track_m=progress.cross_track_m,
         distance_std_m=progress.distance_std_m,
         speed_mps=progress.speed_mps,
+        delay_s=progress.delay_s,
     )
 
 
@@ -144,26 +158,35 @@ def arrival_answers(
     position_ns = arrivals.t_ns if arrivals.position_ns is None else arrivals.position_ns
     age_s = known.arrivals.age_s(now_ns) + (arrivals.t_ns - position_ns) * 1e-9
     return [
-        _arrival(vehicle_id, stop, vehicle_now_ns, age_s=age_s, stale=arrivals.stale)
+        _arrival(vehicle_id, arrivals, stop, vehicle_now_ns, age_s)
         for stop in arrivals.stops
         if stop_id is None or stop.stop_id == stop_id
     ]
 
 
 def _arrival(
-    vehicle_id: str, stop: StopArrival, vehicle_now_ns: int, *, age_s: float, stale: bool
+    vehicle_id: str, arrivals: Arrivals, stop: StopArrival, vehicle_now_ns: int, age_s: float
 ) -> ArrivalAnswer:
+    scheduled_ns, departure_ns = stop.scheduled_ns, stop.departure_ns
+    late_ns = None if scheduled_ns is None else stop.arrival_ns - scheduled_ns
     return ArrivalAnswer(
         stop_id=stop.stop_id,
         name=stop.name,
         vehicle_id=vehicle_id,
+        route_id=arrivals.route_id,
+        trip_id=stop.trip_id or arrivals.trip_id,
+        headsign=arrivals.headsign if stop.trip_id is None else None,
         distance_m=stop.distance_m,
         arrival=rfc3339(stop.arrival_ns),
         early=rfc3339(stop.early_ns),
         late=rfc3339(stop.late_ns),
+        departure=None if departure_ns is None else rfc3339(departure_ns),
+        scheduled=None if scheduled_ns is None else rfc3339(scheduled_ns),
+        delay_s=None if late_ns is None else round(late_ns * 1e-9, 1),
+        confidence=stop.confidence,
         seconds=round(max(stop.arrival_ns - vehicle_now_ns, 0) * 1e-9, 3),
         age_s=round(age_s, 3),
-        stale=stale,
+        stale=arrivals.stale,
     )
 
 

@@ -3,38 +3,34 @@
 from collections.abc import Callable, Iterable, Sequence
 from urllib.parse import quote
 
-import msgspec
 from fastapi import FastAPI, Request
 from prometheus_client import CollectorRegistry
 
 from wayline.geojson import FeatureCollection
 from wayline.http import Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
-from wayline.parameters import describe_parameters
+from wayline.parameters import describe_parameters, read_parameters
 from wayline.query_error import QueryError
 from wayline.route import Route
 from wayline.route_file import route_features
+from wayline.timetable.model import Timetable
+from wayline.timetable.runs import Runs
 from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
-from wayline_eta.board import ArrivalsParameters, EtaBoard, answer_arrivals
+from wayline_eta.board import (
+    ArrivalsParameters,
+    EtaBoard,
+    StopArrivalsParameters,
+    answer_arrivals,
+)
+from wayline_eta.stop_directory import StopDirectory, StopList, StopsParameters
+from wayline_eta.timetable_answers import (
+    RouteSummaries,
+    RouteSummary,
+    TimetableAnswers,
+    TripAnswer,
+)
 
 GEO_JSON = "application/geo+json"
-
-
-class RouteSummary(msgspec.Struct, frozen=True, kw_only=True):
-    """A route and where its GeoJSON is."""
-
-    route_id: str
-    name: str
-    loop: bool
-    length_m: float
-    stops: int
-    href: str
-
-
-class RouteSummaries(msgspec.Struct, frozen=True):
-    """Every route that vehicles may follow."""
-
-    routes: tuple[RouteSummary, ...]
 
 
 def create_eta_app(
@@ -42,6 +38,7 @@ def create_eta_app(
     routes: Iterable[Route],
     settings: HttpSettings,
     *,
+    timetables: Iterable[Timetable] = (),
     healthz: Callable[[], Healthz] | None = None,
     registry: CollectorRegistry | None = None,
 ) -> FastAPI:
@@ -54,30 +51,45 @@ def create_eta_app(
         settings,
         healthz=healthz,
         registry=registry,
-        structs=(RouteSummaries, FeatureCollection, VehicleList, ArrivalList),
+        structs=(
+            RouteSummaries,
+            FeatureCollection,
+            TripAnswer,
+            VehicleList,
+            ArrivalList,
+            StopList,
+        ),
     )
     known_routes = tuple(routes)
-    _add_routes(app, {route.route_id: route for route in known_routes})
+    feeds = tuple(timetables)
+    # lines of its own: the cores make theirs in another thread
+    _add_routes(app, known_routes, TimetableAnswers(Runs(feeds)))
     _add_vehicles(app, board)
-    _add_stops(app, board, known_routes)
+    _add_stops(app, board, StopDirectory(known_routes, feeds))
     return app
 
 
-def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:
-    summaries = RouteSummaries(tuple(_summary(route) for route in routes.values()))
-    collections = {name: FeatureCollection(route_features(it)) for name, it in routes.items()}
+def _add_routes(app: FastAPI, routes: Sequence[Route], timetables: TimetableAnswers) -> None:
+    own = tuple(map(_summary, routes))
+    collections = {route.route_id: FeatureCollection(route_features(route)) for route in routes}
+
+    # no coroutines: a timetable's lines are made when they are first asked for
 
     @app.get("/v1/routes", responses=answers(RouteSummaries), tags=["routes"])
-    async def route_list() -> JsonAnswer:
-        """The routes that vehicles may follow."""
-        return JsonAnswer(summaries)
+    def route_list() -> JsonAnswer:
+        """The routes that vehicles may follow, of files and of timetables."""
+        return JsonAnswer(RouteSummaries((*own, *timetables.summaries())))
 
     @app.get("/v1/routes/{route_id:path}", responses=_geo_json(), tags=["routes"])
-    async def route(route_id: str) -> JsonAnswer:
-        """A route's line and stops as GeoJSON."""
-        if route_id not in collections:
-            raise QueryError(404, f"no route {route_id}; /v1/routes lists them")
-        return JsonAnswer(collections[route_id], media_type=GEO_JSON)
+    def route(route_id: str) -> JsonAnswer:
+        """A route's lines and stops as GeoJSON; of a timetable's those of its patterns."""
+        found = collections.get(route_id) or timetables.route(route_id)
+        return JsonAnswer(found, media_type=GEO_JSON)
+
+    @app.get("/v1/trips/{trip_id:path}", responses=answers(TripAnswer), tags=["routes"])
+    def trip(trip_id: str) -> JsonAnswer:
+        """A trip of the timetables with its stops and times."""
+        return JsonAnswer(timetables.trip(trip_id))
 
 
 def _summary(route: Route) -> RouteSummary:
@@ -121,14 +133,26 @@ def _add_vehicles(app: FastAPI, board: EtaBoard) -> None:
         return JsonAnswer(answer_arrivals(board, vehicle_id, request.query_params))
 
 
-def _add_stops(app: FastAPI, board: EtaBoard, routes: Sequence[Route]) -> None:
-    stop_ids = frozenset(stop.stop_id for route in routes for stop in route.stops)
+def _add_stops(app: FastAPI, board: EtaBoard, stops: StopDirectory) -> None:
+    @app.get(
+        "/v1/stops",
+        responses=answers(StopList),
+        openapi_extra=describe_parameters(StopsParameters),
+        tags=["stops"],
+    )
+    async def stop_list(request: Request) -> JsonAnswer:
+        """The stops, or those near a place, nearest first."""
+        return JsonAnswer(stops.answer(read_parameters(request.query_params, StopsParameters)))
 
-    @app.get("/v1/stops/{stop_id:path}/arrivals", responses=answers(ArrivalList), tags=["arrivals"])
-    async def stop_arrivals(stop_id: str) -> JsonAnswer:
+    @app.get(
+        "/v1/stops/{stop_id:path}/arrivals",
+        responses=answers(ArrivalList),
+        openapi_extra=describe_parameters(StopArrivalsParameters),
+        tags=["arrivals"],
+    )
+    async def stop_arrivals(stop_id: str, request: Request) -> JsonAnswer:
         """Every vehicle's next arrival at a stop, soonest first."""
-        if stop_id not in stop_ids:
-            raise QueryError(
-                404, f"no route has a stop {stop_id}; the GeoJSON of routes lists them"
-            )
-        return JsonAnswer(board.stop_arrivals(stop_id))
+        if stop_id not in stops:
+            raise QueryError(404, f"no route has a stop {stop_id}; /v1/stops lists them")
+        asked = read_parameters(request.query_params, StopArrivalsParameters)
+        return JsonAnswer(board.stop_arrivals(stop_id, asked))

@@ -5,7 +5,6 @@ error over a lap of 219 s: 27 s at its start, 10 s, 7 s and 4 s on the way, 1.1 
 A second at least and 12 % of the time to go fits that, position error comes on top.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +12,18 @@ from numpy.typing import NDArray
 
 from wayline.messages import StopArrival
 from wayline.route import Route
-from wayline_eta.stop_visits import next_visits_m
+from wayline_eta.expected_motion import ExpectedMotion
+from wayline_eta.stands import MOVING, Stand
+from wayline_eta.stop_visits import BOARDING_S, next_visits_m
 
 Floats = NDArray[np.float64]
 
 SPREAD_FLOOR_S = 1.0
 SPREAD_SHARE = 0.12
+UNTOLD_STD_S = 12.0
+"""Of what a vehicle stands at a stop, and before lights, where no dwell is planned."""
+UNDER_WAY_M = 30.0
+"""A vehicle so far behind a stop has left it."""
 NORMAL_P90 = 1.281_551_6
 """The 90 % quantile of the standard normal distribution."""
 
@@ -32,7 +37,18 @@ class Outlook(NamedTuple):
     served_m: float
     """Stops up to here have been arrived at."""
     distance_std_m: float
-    dwell_left_s: float
+    stand: Stand = MOVING
+
+
+class Visit(NamedTuple):
+    """A stop that is still to come: which, how far ahead, and when the vehicle is there."""
+
+    stop: int
+    distance_m: float
+    arrival_ns: int
+    early_ns: int
+    late_ns: int
+    departure_ns: int
 
 
 def predict_arrivals(route: Route, outlook: Outlook, now_ns: int) -> tuple[StopArrival, ...]:
@@ -40,38 +56,94 @@ def predict_arrivals(route: Route, outlook: Outlook, now_ns: int) -> tuple[StopA
 
     What an outlook older than `now_ns` puts into the past is due now.
     """
-    if not route.stops:
-        return ()
-    visits_m = next_visits_m(route, outlook.served_m)
-    order = np.argsort(visits_m, kind="stable")
-    order = order[np.isfinite(visits_m[order])]
-    seconds = _seconds_to(route, outlook, visits_m[order], order)
-    spreads = NORMAL_P90 * _spread_s(route, outlook, seconds)
-    arrivals: dict[str, StopArrival] = {}
-    for index, visit_m, to_go_s, spread_s in zip(
-        order, visits_m[order], seconds, spreads, strict=True
-    ):
-        stop = route.stops[index]
-        arrival = StopArrival(
-            stop_id=stop.stop_id,
-            name=stop.name,
-            distance_m=max(float(visit_m) - outlook.total_m, 0.0),
-            arrival_ns=_instant(outlook, now_ns, to_go_s),
-            early_ns=_instant(outlook, now_ns, to_go_s - spread_s),
-            late_ns=_instant(outlook, now_ns, to_go_s + spread_s),
+    stops = route.stops
+    return tuple(
+        StopArrival(
+            stop_id=stops[stop].stop_id,
+            name=stops[stop].name,
+            distance_m=distance_m,
+            arrival_ns=arrival_ns,
+            early_ns=early_ns,
+            late_ns=late_ns,
+            confidence="planned",
         )
-        arrivals.setdefault(stop.stop_id, arrival)
-    return tuple(arrivals.values())
+        for stop, distance_m, arrival_ns, early_ns, late_ns, _ in predict_visits(
+            route, outlook, now_ns
+        )
+    )
+
+
+def predict_visits(
+    route: Route, outlook: Outlook, now_ns: int, motion: ExpectedMotion | None = None
+) -> list[Visit]:
+    """The next visit of every stop still to come, soonest first, each stop once.
+
+    With the motion of a trip its vehicle leaves no stop before its time, and reaches the one that
+    it is under way to before the dwell that the running time there holds. What an outlook older
+    than `now_ns` puts into the past is due now.
+    """
+    if not route.stops:
+        return []
+    order, visits_m = _ahead(route, outlook.served_m)
+    arrivals_s, departures_s = _seconds_to(route, outlook, visits_m, order, motion)
+    stds_s = _spread_s(route, outlook, arrivals_s)
+    if motion is not None and motion.is_untold:
+        stds_s = np.hypot(stds_s, UNTOLD_STD_S * np.sqrt(1.0 + np.arange(len(order))))
+    spreads_s, stand = NORMAL_P90 * stds_s, outlook.stand
+    earlies_s, lates_s = arrivals_s - spreads_s, arrivals_s + spreads_s
+    if stand is not MOVING:
+        earlies_s = arrivals_s - np.hypot(spreads_s, stand.left_s - stand.early_s)
+        lates_s = arrivals_s + np.hypot(spreads_s, stand.late_s - stand.left_s)
+    distances_m = np.maximum(visits_m - outlook.total_m, 0.0)
+    seconds = np.array((arrivals_s, earlies_s, lates_s, departures_s))
+    instants_ns = _instants_ns(outlook, now_ns, seconds).tolist()
+    found: dict[str, Visit] = {}
+    for visit in map(Visit, order.tolist(), distances_m.tolist(), *instants_ns):
+        found.setdefault(route.stops[visit.stop].stop_id, visit)
+    return list(found.values())
+
+
+def _ahead(route: Route, served_m: float) -> tuple[NDArray[np.intp], Floats]:
+    """The stops still to come, soonest first, and where they are next reached."""
+    places_m = route.stop_distances_m
+    if not route.loop:
+        first = int(np.searchsorted(places_m, served_m, side="right"))
+        return np.arange(first, len(places_m)), places_m[first:]
+    visits_m = next_visits_m(route, served_m)
+    order = np.argsort(visits_m, kind="stable")
+    return order, visits_m[order]
+
+
+def _untold_dwell_s(motion: ExpectedMotion, outlook: Outlook, visit_m: float) -> float:
+    """Of the running time to the next stop what the vehicle will stand there; 0 before it drives"""
+    if outlook.stand.left_s > 0.0 or motion.stop_near(outlook.total_m, 0.0, UNDER_WAY_M):
+        return 0.0
+    return motion.untold_s(visit_m, outlook.total_m)
 
 
 def _seconds_to(
-    route: Route, outlook: Outlook, visits_m: Floats, order: NDArray[np.intp]
-) -> Floats:
-    """Planned travel to each visit, and the dwells of the stops before it."""
-    start_s = route.time_at(np.array([max(outlook.total_m, 0.0)]))[0]
-    travel_s = np.maximum(route.time_at(visits_m) - start_s, 0.0)
-    dwells_s = np.concatenate(([0.0], np.cumsum(route.stop_dwells_s[order])))[:-1]
-    return np.asarray(travel_s + dwells_s + outlook.dwell_left_s)
+    route: Route,
+    outlook: Outlook,
+    visits_m: Floats,
+    stops: NDArray[np.intp],
+    motion: ExpectedMotion | None,
+) -> tuple[Floats, Floats]:
+    """Until each visit and the departure after it: planned travel, dwells, waits for the time."""
+    places_m = np.concatenate(([max(outlook.total_m, 0.0)], visits_m))
+    travels_s = np.maximum(np.diff(route.time_at(places_m)), 0.0)
+    dwells_s = route.stop_dwells_s[stops]
+    if motion is None or not len(stops):
+        departures_s = outlook.stand.left_s + np.cumsum(travels_s + dwells_s)
+        return departures_s - dwells_s, departures_s
+    earliest_s = (motion.stop_leaves_ns[stops] - outlook.t_ns) * 1e-9
+    dwells_s = np.where(np.isfinite(earliest_s), np.minimum(dwells_s, BOARDING_S), dwells_s)
+    at_s, departures_s = outlook.stand.left_s, np.empty(len(stops))
+    steps = zip((travels_s + dwells_s).tolist(), earliest_s.tolist(), strict=True)
+    for visit, (takes_s, leaves_s) in enumerate(steps):
+        at_s = departures_s[visit] = max(at_s + takes_s, leaves_s)
+    arrivals_s = np.concatenate(([outlook.stand.left_s], departures_s[:-1])) + travels_s
+    arrivals_s[0] -= _untold_dwell_s(motion, outlook, float(visits_m[0]))
+    return arrivals_s, departures_s
 
 
 def _spread_s(route: Route, outlook: Outlook, seconds: Floats) -> Floats:
@@ -81,5 +153,7 @@ def _spread_s(route: Route, outlook: Outlook, seconds: Floats) -> Floats:
     return np.hypot(SPREAD_FLOOR_S + SPREAD_SHARE * seconds, place_s)
 
 
-def _instant(outlook: Outlook, now_ns: int, seconds: float) -> int:
-    return max(outlook.t_ns + math.floor(float(seconds) * 1e9), now_ns)
+def _instants_ns(outlook: Outlook, now_ns: int, seconds: Floats) -> NDArray[np.int64]:
+    """Instants so many seconds after an outlook's; not before now."""
+    after_ns = np.floor(seconds * 1e9).astype(np.int64)
+    return np.asarray(np.maximum(outlook.t_ns + after_ns, now_ns))

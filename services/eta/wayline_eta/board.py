@@ -13,11 +13,12 @@ from typing import Annotated, ClassVar
 import msgspec
 from msgspec import Meta
 
-from wayline.messages import GpsFix, Message, Pose
+from wayline.messages import LIST_MAX, GpsFix, Message, Pose
 from wayline.parameters import read_parameters
 from wayline.query_error import QueryError
 from wayline.view import Clock, Receipt
 from wayline_eta.answers import (
+    ArrivalAnswer,
     ArrivalList,
     VehicleAnswer,
     VehicleList,
@@ -36,6 +37,28 @@ class ArrivalsParameters(msgspec.Struct, frozen=True, kw_only=True):
     stop_id: (
         Annotated[str, Meta(description="Only the arrival at this stop")] | msgspec.UnsetType
     ) = msgspec.UNSET
+
+
+class StopArrivalsParameters(msgspec.Struct, frozen=True, kw_only=True):
+    """What a question for the arrivals at a stop may say."""
+
+    route_id: Annotated[str, Meta(description="Only of this route")] | msgspec.UnsetType = (
+        msgspec.UNSET
+    )
+    minutes: (
+        Annotated[float, Meta(gt=0.0, le=1440.0, description="Only those due within so long")]
+        | msgspec.UnsetType
+    ) = msgspec.UNSET
+    limit: Annotated[int, Meta(ge=1, le=LIST_MAX)] = 100
+
+    def asks_for(self, arrival: ArrivalAnswer) -> bool:
+        """Whether an arrival is one of those."""
+        if self.route_id is not msgspec.UNSET and arrival.route_id != self.route_id:
+            return False
+        return self.minutes is msgspec.UNSET or arrival.seconds <= 60.0 * self.minutes
+
+
+EVERYTHING = StopArrivalsParameters()
 
 
 class EtaBoard:
@@ -88,15 +111,18 @@ class EtaBoard:
         known, now_ns = self._look(vehicle_id)
         return soonest_first(arrival_answers(vehicle_id, known, now_ns, stop_id))
 
-    def stop_arrivals(self, stop_id: str) -> ArrivalList:
+    def stop_arrivals(
+        self, stop_id: str, asked: StopArrivalsParameters = EVERYTHING
+    ) -> ArrivalList:
         """The next arrival of every vehicle at a stop, soonest first."""
         vehicles, now_ns = self._look_at_all()
         found = [
             at
             for vehicle_id, known in vehicles.items()
             for at in arrival_answers(vehicle_id, known, now_ns, stop_id)
+            if asked.asks_for(at)
         ]
-        return soonest_first(found)
+        return ArrivalList(soonest_first(found).arrivals[: asked.limit])
 
     def _look(self, vehicle_id: str) -> tuple[Known, int]:
         with self._lock:

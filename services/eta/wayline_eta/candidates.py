@@ -32,11 +32,10 @@ def locally_nearest(line: Line, lat_deg: float, lon_deg: float) -> Candidates:
     legs = line.project_legs(lat_deg, lon_deg)
     at_start = legs.alongs_m <= line.distances_m[:-1] + 1e-6
     at_end = legs.alongs_m >= line.distances_m[1:] - 1e-6
-    before_ends_here = np.concatenate(([True], at_end[:-1]))
-    after_begins_here = np.concatenate((at_start[1:], [True]))
-    inside = ~at_start & ~at_end
-    last = np.arange(len(inside)) == len(inside) - 1
-    found = inside | (at_start & before_ends_here) | (at_end & after_begins_here & last)
+    found = ~(at_start | at_end)
+    found[1:] |= at_start[1:] & at_end[:-1]
+    found[0] |= at_start[0]
+    found[-1] |= at_end[-1]
     found &= legs.offsets_m <= legs.offsets_m.min() + SPREAD_M
     return Candidates(
         legs.alongs_m[found],

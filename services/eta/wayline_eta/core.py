@@ -8,34 +8,43 @@ import msgspec
 from wayline.core import Record, Sleep
 from wayline.inputs import Tick
 from wayline.messages import Arrivals, GpsFix, Message, Pose
+from wayline.node import Node
 from wayline.route import Route
 from wayline.tuning import Tuning
 from wayline_eta.arrivals import Outlook, predict_arrivals
 from wayline_eta.fix_follower import FixFollower
+from wayline_eta.route_choice import RouteChoice
 from wayline_eta.route_follower import RouteFollower
+from wayline_eta.sightings import Sighting, Sightings
+from wayline_eta.stop_events import StopEvents, of_route
+from wayline_eta.trip_arrivals import before_the_fork
 
 SECOND_NS = 1_000_000_000
 
 
 class EtaCore:
-    """One vehicle's progress and arrivals once a second, from poses.
+    """One vehicle's progress and arrivals once a second, from poses and seldom reports.
 
     Nothing comes before the first match with a route, or without routes.
     """
 
-    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose})
+    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
     period_ns: ClassVar[int | None] = SECOND_NS
 
     def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
-        self._by_pose = ByPose(routes, tuning)
+        self._sightings = Sightings(tuning)
+        self._on_routes = OnRoutes(routes, tuning, self._sightings)
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
-        """Take a pose or a tick; anything else is not read."""
-        del source
-        if isinstance(message, Pose):
-            self._by_pose.take(message)
+        """Take a pose, a fix or a tick; anything else is not read."""
+        if isinstance(message, GpsFix):
+            self._sightings.take_fix(message, source)
+        elif isinstance(message, Pose):
+            self._on_routes.take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
-            return self._by_pose.tell(message.t_ns, message.age_ns)
+            self._on_routes.take(self._sightings.pass_time(message.t_ns))
+            told = self._on_routes.tell(message.t_ns, message.age_ns)
+            return [*self._on_routes.events.take(), *told]
         return ()
 
 
@@ -59,8 +68,7 @@ class ReferenceEtaCore:
 def make_eta_core(routes: Sequence[Route], tuning: Tuning) -> EtaCore | ReferenceEtaCore:
     """The core that the tuning's `route_filter` asks for.
 
-    They are two, as they read different topics: a core of poses that also read fixes would have
-    its ticks before the poses that fusion makes of those fixes.
+    They are two, as the reference has no ticks: it answers every row.
     """
     if tuning.route_filter == "avl":
         return ReferenceEtaCore(routes, tuning)
@@ -72,80 +80,82 @@ def assigned_routes(routes: Sequence[Route], route_id: str | None) -> Sequence[R
     return [route for route in routes if route.route_id == route_id] or routes
 
 
-class ByPose:
-    """Follows the route that the vehicle is on; while it is on none, all of them.
+def eta_node(routes: Sequence[Route], tuning: Tuning) -> Node:
+    """A core on routes with its name.
 
-    The followed route is left only when the vehicle has left it, so routes that share a street
-    do not take turns.
+    The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
+    return Node("eta", make_eta_core(routes, tuning), timeless=frozenset({GpsFix}))
 
-    def __init__(self, routes: Sequence[Route], tuning: Tuning) -> None:
-        self._routes, self._tuning = routes, tuning
-        self._followers = [RouteFollower(route, tuning) for route in routes]
-        self._current: RouteFollower | None = None
-        self._pose: Pose | None = None
-        """The last pose worth following, as long as anything may rest on it."""
+
+class OnRoutes:
+    """Follows the route that the vehicle is on, and tells of stops that it surely comes to."""
+
+    def __init__(self, routes: Sequence[Route], tuning: Tuning, sightings: Sightings) -> None:
+        self._sightings = sightings
+        self._choice = RouteChoice(routes, tuning)
+        self._seen: Sighting | None = None
+        """The last one, as long as anything may rest on it."""
         self._is_stale = False
-        """Whether it has been told that the pose is old."""
+        """Whether it has been told that it is old."""
+        self.events = StopEvents()
 
-    def take(self, pose: Pose) -> None:
-        """Keep a pose for the next tick, if it has a position worth following."""
-        if pose.lat_deg is not None and pose.lon_deg is not None and pose.mode != "lost":
-            self._pose, self._is_stale = pose, False
+    def take(self, seen: Sequence[Sighting]) -> None:
+        """Follow what was seen of the vehicle."""
+        for sighting in seen:
+            self._seen, self._is_stale = sighting, False
+            if sighting.reported:
+                self._follow(sighting)
 
     def tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
-        """Progress and arrivals at a whole second while there is a fresh pose.
+        """Progress and arrivals at a whole second while the vehicle is seen.
 
         `pose_age_ns` is how old the pose was when it came. Once it is old, arrivals are told once
         more, marked stale, and a last time, empty, when nothing can rest on it any longer.
         """
-        pose = self._pose
-        if pose is not None:
-            self._follow(pose)
-        if pose is None or self._current is None:
+        seen = self._seen
+        if seen is not None and not seen.reported:
+            self._follow(seen)
+        if seen is None or self._choice.current is None:
             return [Sleep()]
+        pose, current = seen.pose, self._choice.current
         age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
-        if age_s <= self._tuning.eta_stale_after_s:
-            return self._fresh(self._current, pose, t_ns)
-        if age_s > self._tuning.eta_forget_after_s:
-            self._pose = None
-            return [_arrivals(self._current.route, None, t_ns, pose.t_ns, stale=True), Sleep()]
-        forgets_ns = pose.t_ns - pose_age_ns + round(self._tuning.eta_forget_after_s * 1e9)
-        return [*self._stale(self._current, pose, t_ns), Sleep(forgets_ns)]
+        if age_s <= self._sightings.stale_after_s:
+            return self._fresh(current, pose, t_ns)
+        forgotten_after_s = self._sightings.forgotten_after_s
+        if age_s > forgotten_after_s:
+            self._seen = None
+            return [_arrivals(current.route, None, t_ns, pose.t_ns, stale=True), Sleep()]
+        forgets_ns = pose.t_ns - pose_age_ns + round(forgotten_after_s * 1e9)
+        return [*self._stale(current, pose, t_ns), Sleep(forgets_ns)]
 
     def _fresh(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message | Sleep]:
         progress = current.progress(t_ns)
-        arrivals = _arrivals(current.route, current.outlook(t_ns), t_ns, pose.t_ns, stale=False)
+        arrivals = self._told(current, t_ns, pose.t_ns, stale=False)
         return [arrivals] if progress is None else [progress, arrivals]
 
     def _stale(self, current: RouteFollower, pose: Pose, t_ns: int) -> list[Message]:
         if self._is_stale:
             return []
         self._is_stale = True
-        return [_arrivals(current.route, current.outlook(t_ns), t_ns, pose.t_ns, stale=True)]
+        return [self._told(current, t_ns, pose.t_ns, stale=True)]
 
-    def _follow(self, pose: Pose) -> None:
-        if pose.lat_deg is None or pose.lon_deg is None:
-            return
-        current = self._current
+    def _follow(self, seen: Sighting) -> None:
+        lat_deg, lon_deg = seen.pose.lat_deg, seen.pose.lon_deg
+        if lat_deg is not None and lon_deg is not None:
+            self._choice.observe(seen.pose, lat_deg, lon_deg, reported=seen.reported)
+        current = self._choice.current
         if current is not None:
-            current.observe(pose, pose.lat_deg, pose.lon_deg)
-            if current.on_route:
-                return
-        for follower in self._followers:
-            if follower is not current:
-                follower.observe(pose, pose.lat_deg, pose.lon_deg)
-        matching = [follower for follower in self._followers if follower.on_route]
-        if matching:
-            self._choose(min(matching, key=lambda one: (one.ended, one.offset_m)))
+            self.events.note(current, current.route.route_id, of_route(current.route))
 
-    def _choose(self, chosen: RouteFollower) -> None:
-        """Follow one route; the other routes' followers start afresh when they are next asked."""
-        self._current = chosen
-        self._followers = [
-            chosen if chosen.route is route else RouteFollower(route, self._tuning)
-            for route in self._routes
-        ]
+    def _told(
+        self, current: RouteFollower, t_ns: int, position_ns: int, *, stale: bool
+    ) -> Arrivals:
+        """Arrivals up to where a route forks off on which the vehicle may be as well."""
+        outlook = current.outlook(t_ns)
+        arrivals = _arrivals(current.route, outlook, t_ns, position_ns, stale=stale)
+        rivals = [rival.route for rival in self._choice.rivals]
+        return msgspec.structs.replace(arrivals, stops=before_the_fork(arrivals.stops, rivals))
 
 
 class ByFix:

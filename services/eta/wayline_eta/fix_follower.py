@@ -98,7 +98,6 @@ class FixFollower:
             total_m=self.total_m,
             served_m=max(self._visits.served_m, self.total_m),
             distance_std_m=self._estimate.distance_std_m,
-            dwell_left_s=0.0,
         )
 
 

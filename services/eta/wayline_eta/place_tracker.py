@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wayline.geo import step_between
 from wayline.messages import Pose
 from wayline.route import Route
 from wayline_eta.candidates import Candidates, locally_nearest
@@ -24,16 +25,25 @@ HEADING_STD_DEG = 30.0
 """How far a vehicle's heading may lie from the line's, in bends and lane changes."""
 OUTLIER = 3.0
 """In sigmas: beyond it a misfit counts in proportion, no longer squared (Huber)."""
+STANDING_MPS = 0.5
 CORRELATION_S = 10.0
 """Errors of position last about so long: poses nearer in time are not new evidence."""
 MOTION_SLACK_M = 5.0
 MOTION_SLACK_SHARE = 0.1
 """Odometer and line disagree by so much, and by so much of the distance travelled."""
+SELDOM_SLACK_M = 25.0
+"""Between reports both ends are off, and the way is known by its straight line at best."""
+UNLIKE_COST = 0.5
+"""Lost by a place as far from where the vehicle was expected as that is away: tells ties apart."""
 JUMP_COST = 12.0
 """Most that a place can lose by moving unlike the vehicle: a detour or a short cut ends so."""
 FORGET_COST = 30.0
 EARLIEST_COST = 0.1
 """Lost by the end of the route against its start, so that a tie is a vehicle that sets out."""
+ENDS_COST = 12.0
+"""Lost by a first place at the end of a circular trip: who is seen there first sets out."""
+ENDS_M = 60.0
+"""So near to the end, of a trip that begins as near to it."""
 BEFORE_START_M = 10.0
 """A first place this near to the end of a loop is a vehicle about to start its first lap."""
 UNKNOWN_STD_M = 5.0
@@ -53,6 +63,16 @@ class Place(NamedTuple):
     """Between the vehicle's heading and the route's, 0 to 180; 0 where it is not known."""
 
 
+class _Moves(NamedTuple):
+    """How far along the route a vehicle has come since it was last seen."""
+
+    least_m: float
+    most_m: float
+    slack_m: float
+    likely_m: float
+    unlike_cost: float
+
+
 class PlaceTracker:
     """The likeliest place of one vehicle on one route."""
 
@@ -62,16 +82,36 @@ class PlaceTracker:
         self._costs: Floats = np.empty(0)
         self._last: Pose | None = None
 
-    def observe(self, pose: Pose, lat_deg: float, lon_deg: float) -> Place:
-        """Take the next pose with its position in degrees, and say where the vehicle is."""
+    @property
+    def is_circular(self) -> bool:
+        """Whether an open route ends where it begins."""
+        ends = [self._route.line.point_at(at_m)[:2] for at_m in (0.0, self._route.length_m)]
+        return step_between(*ends[0], *ends[1]).distance_m < ENDS_M
+
+    def set_out(self, pose: Pose) -> None:
+        """Begin at the start, wherever else the pose might be."""
+        self._totals_m, self._costs, self._last = np.zeros(1), np.zeros(1), pose
+
+    def observe(
+        self, pose: Pose, lat_deg: float, lon_deg: float, expected_m: float | None = None
+    ) -> Place:
+        """Take the next pose with its position in degrees, and say where the vehicle is.
+
+        Where nobody knows the way since the last one, `expected_m` is how far along the route it
+        is expected to have come; then all between that and the straight way is as likely.
+        """
         candidates = locally_nearest(self._route.line, lat_deg, lon_deg)
         turns_deg = _turns_deg(pose, candidates)
         costs = self._emission(pose, candidates, turns_deg)
         if self._last is None:
             totals_m = self._first_totals(candidates)
             costs = costs + EARLIEST_COST * totals_m / self._route.length_m
+            if not self._route.loop and np.any(totals_m < ENDS_M):
+                ends = totals_m > self._route.length_m - ENDS_M
+                costs = costs + np.where(ends, ENDS_COST, 0.0)
         else:
-            totals_m, moved = self._transition(self._last, pose, candidates)
+            moves = self._moves(self._last, pose, expected_m)
+            totals_m, moved = self._transition(moves, candidates)
             costs = costs + moved
         best = int(np.argmin(costs))
         place = self._place(pose, candidates, totals_m, turns_deg, best)
@@ -84,8 +124,11 @@ class PlaceTracker:
         """Misfit of offset and heading, weighed by how much of them is new evidence."""
         std_m = math.hypot(position_std_m(pose, None), LINE_STD_M)
         heading_std_deg = math.hypot(pose.heading_std_deg or 0.0, HEADING_STD_DEG)
-        offset_costs = _huber(np.abs(candidates.offsets_m) / std_m)
-        return _news(self._last, pose) * (offset_costs + _huber(turns_deg / heading_std_deg))
+        costs = _huber(np.abs(candidates.offsets_m) / std_m)
+        stands = pose.speed_mps is not None and abs(pose.speed_mps) < STANDING_MPS
+        if self._last is None or not stands:
+            costs = costs + _huber(turns_deg / heading_std_deg)  # of one that stands it is old
+        return _news(self._last, pose) * costs
 
     def _first_totals(self, candidates: Candidates) -> Floats:
         alongs_m, length_m = candidates.alongs_m, self._route.length_m
@@ -93,21 +136,37 @@ class PlaceTracker:
             return alongs_m
         return np.where(alongs_m > length_m - BEFORE_START_M, alongs_m - length_m, alongs_m)
 
-    def _transition(self, last: Pose, pose: Pose, candidates: Candidates) -> tuple[Floats, Floats]:
-        """Distance and cost of reaching every candidate from the best of the earlier places."""
+    def _moves(self, last: Pose, pose: Pose, expected_m: float | None) -> "_Moves":
         travelled_m = travelled_between_m(last, pose)
+        if expected_m is None:
+            slack_m = MOTION_SLACK_M + MOTION_SLACK_SHARE * abs(travelled_m)
+            return _Moves(travelled_m, travelled_m, slack_m, travelled_m, 0.0)
+        least_m, most_m = sorted((travelled_m, expected_m))
+        slack_m = SELDOM_SLACK_M + MOTION_SLACK_SHARE * most_m
+        return _Moves(least_m, most_m, slack_m, expected_m, UNLIKE_COST)
+
+    def _transition(self, moves: "_Moves", candidates: Candidates) -> tuple[Floats, Floats]:
+        """Distance and cost of reaching every candidate from the best of the earlier places."""
+        middle_m = (moves.least_m + moves.most_m) / 2.0
         # rows: earlier places, columns: candidates
         advances_m = candidates.alongs_m[None, :] - self._totals_m[:, None]
-        surplus_m = advances_m - travelled_m
+        surplus_m = advances_m - middle_m
         if self._route.loop:
             length_m = self._route.length_m
             surplus_m = (surplus_m + length_m / 2.0) % length_m - length_m / 2.0
-        slack_m = MOTION_SLACK_M + MOTION_SLACK_SHARE * abs(travelled_m)
-        misfit = np.abs(surplus_m) / slack_m
+        half_m = (moves.most_m - moves.least_m) / 2.0
+        outside_m = np.abs(surplus_m)
+        if half_m > 0.0:
+            outside_m = np.maximum(outside_m - half_m, 0.0)
+        misfit = outside_m / moves.slack_m
+        misfit = np.minimum(misfit, misfit**2)
         costs = self._costs[:, None] + misfit / (1.0 + misfit / JUMP_COST)
+        if moves.unlike_cost > 0.0:
+            unlike_m = np.abs(middle_m + surplus_m - moves.likely_m)
+            costs += moves.unlike_cost * unlike_m / (moves.slack_m + moves.most_m)
         earlier = np.argmin(costs, axis=0)
         column = np.arange(len(earlier))
-        totals_m = self._totals_m[earlier] + travelled_m + surplus_m[earlier, column]
+        totals_m = self._totals_m[earlier] + middle_m + surplus_m[earlier, column]
         return totals_m, costs[earlier, column]
 
     def _place(
@@ -143,7 +202,8 @@ def _news(last: Pose | None, pose: Pose) -> float:
 
 def _huber(sigmas: Floats) -> Floats:
     """Negative log likelihood of a misfit in sigmas, forgiving to outliers."""
-    return np.where(sigmas <= OUTLIER, 0.5 * sigmas**2, OUTLIER * sigmas - 0.5 * OUTLIER**2)
+    squared = np.minimum(sigmas, OUTLIER)
+    return np.asarray(squared * (sigmas - 0.5 * squared))
 
 
 def _turns_deg(pose: Pose, candidates: Candidates) -> Floats:

@@ -3,7 +3,7 @@
 from wayline.node import Node
 from wayline.replayed_drive import ReplayedDrive
 from wayline.timetable.runs import Runs
-from wayline_eta.core import assigned_routes, make_eta_core
+from wayline_eta.core import assigned_routes, eta_node
 from wayline_eta.timetable_core import timetable_node
 
 
@@ -14,4 +14,4 @@ def node(replay: ReplayedDrive) -> Node:
         assignment = drive.assignment.name if drive.assignment else None
         return timetable_node(Runs(replay.timetables), drive.tuning, assignment)
     named = drive.assignment.route_id if drive.assignment else None
-    return Node("eta", make_eta_core(assigned_routes(replay.routes, named), drive.tuning))
+    return eta_node(assigned_routes(replay.routes, named), drive.tuning)

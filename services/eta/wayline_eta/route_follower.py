@@ -1,12 +1,20 @@
 """Pure: one vehicle on one route, from poses: its place, its presence and the stops it served."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wayline.messages import Pose, Progress
 from wayline.route import Route
 from wayline.tuning import Tuning
+from wayline_eta.along_filter import Along, AlongFilter
 from wayline_eta.arrivals import Outlook
+from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.place_tracker import Place, PlaceTracker, travelled_between_m
 from wayline_eta.presence import Presence
+from wayline_eta.stop_log import Seen
 from wayline_eta.stop_visits import StopVisits
+
+Floats = NDArray[np.float64]
 
 EXTRAPOLATE_AT_MOST_S = 2.0
 HOLD_M = 30.0
@@ -15,16 +23,24 @@ HOLD_SIGMAS = 3.0
 
 
 class RouteFollower:
-    """The default route filter: place by `PlaceTracker`, going on at the vehicle's speed."""
+    """The default route filter: place by `PlaceTracker`, going on at the vehicle's speed.
+
+    Of a vehicle that is seen seldom `AlongFilter` tells how it goes on.
+    """
 
     def __init__(self, route: Route, tuning: Tuning) -> None:
         self.route, self._tuning = route, tuning
         self._tracker = PlaceTracker(route)
+        self._motion = ExpectedMotion(route)
         self._presence = Presence(tuning)
         self._visits = StopVisits(route, tuning)
         self._pose: Pose | None = None
         self._place: Place | None = None
         self._speed_mps = 0.0
+        self._along: AlongFilter | None = None
+        """While the vehicle is followed by its reports, on the route."""
+        self._floor_m = 0.0
+        """What was told before the last report, where that is behind it by no more than noise."""
 
     @property
     def on_route(self) -> bool:
@@ -46,10 +62,43 @@ class RouteFollower:
         """Stops up to here have been arrived at."""
         return self._visits.served_m
 
-    def run_as(self, route: Route) -> None:
-        """Go on by another plan of the same line: other speeds and dwells."""
-        self.route = route
-        self._visits.run_as(route)
+    def run_as(self, route: Route, leaves_ns: Floats | None = None) -> None:
+        """Go on by another plan of the same line: other speeds, dwells and waits.
+
+        `leaves_ns`, one a stop, is when the vehicle leaves it at the earliest.
+        """
+        self.route, self._motion = route, ExpectedMotion(route, leaves_ns)
+        self._visits.run_as(route, leaves_ns)
+        if self._along is not None:
+            self._along.run_as(self._motion)
+
+    def again(self) -> "RouteFollower":
+        """A follower for a further trip on the line; a circular one begins where this ended."""
+        follower = RouteFollower(self.route, self._tuning)
+        if self._pose is not None and self._tracker.is_circular:
+            follower.set_out(self._pose)
+        return follower
+
+    def set_out(self, pose: Pose) -> None:
+        """Begin at the start, with the pose that was seen there."""
+        self._tracker.set_out(pose)
+
+    @property
+    def motion(self) -> ExpectedMotion:
+        """How vehicles are expected to move along it."""
+        return self._motion
+
+    @property
+    def seen(self) -> Seen | None:
+        """Where the vehicle was when it was last seen; None off the route."""
+        if self._pose is None or self._place is None or not self.on_route:
+            return None
+        if self._along is None:
+            stands = abs(self._speed_mps) < self._tuning.eta_standing_mps
+            return Seen(self._pose.t_ns, self._place.total_m, stands, reported=False)
+        along = self._along.at(self._pose.t_ns)
+        stands = along.speed_mps == 0.0
+        return Seen(self._pose.t_ns, along.total_m, stands, reported=True, stood_s=along.stood_s)
 
     @property
     def ended(self) -> bool:
@@ -57,15 +106,80 @@ class RouteFollower:
         at_m = self._place.total_m if self._place else 0.0
         return not self.route.loop and at_m > self.route.length_m - self._tuning.stop_radius_m
 
-    def observe(self, pose: Pose, lat_deg: float, lon_deg: float) -> None:
-        """Take the next pose with its position in degrees; older and repeated ones are ignored."""
-        if self._pose is not None and pose.t_ns <= self._pose.t_ns:
+    def observe(
+        self, pose: Pose, lat_deg: float, lon_deg: float, *, reported: bool = False
+    ) -> None:
+        """Take the next pose with its position in degrees; older ones are ignored.
+
+        Of a report, and of the last pose before reports are followed, nothing is known of what
+        follows: the route then tells how the vehicle goes on.
+        """
+        if self._pose is not None and not self._is_news(pose, reported=reported):
             return
+        if reported:
+            self._report(pose, lat_deg, lon_deg)
+            return
+        self._along = None
         place = self._held(self._tracker.observe(pose, lat_deg, lon_deg))
         self._speed_mps = _speed_of(self._pose, pose)
         self._pose, self._place = pose, place
         if self._presence.observe(place, self._speed_mps):
             self._visits.observe(place.total_m, self._speed_mps, pose.t_ns)
+
+    def _is_news(self, pose: Pose, *, reported: bool) -> bool:
+        """The last pose is so once more when reports begin to be followed."""
+        assert self._pose is not None  # noqa: S101
+        begins = reported and self._along is None
+        return pose.t_ns > self._pose.t_ns or (begins and pose.t_ns == self._pose.t_ns)
+
+    def _report(self, pose: Pose, lat_deg: float, lon_deg: float) -> None:
+        silent_s = (pose.t_ns - self._pose.t_ns) * 1e-9 if self._pose is not None else 0.0
+        if silent_s > self._tuning.eta_forget_after_s:
+            self._along = None
+        before = self._along.at(pose.t_ns) if self._along is not None else None
+        if self._pose is not None and pose.t_ns == self._pose.t_ns and self._place is not None:
+            place = self._place
+        else:
+            expected_m = None
+            if before is not None and self._place is not None:
+                expected_m = before.total_m - self._place.total_m
+            place = self._tracker.observe(pose, lat_deg, lon_deg, expected_m)
+            self._speed_mps = _speed_of(self._pose, pose)
+            self._presence.observe(place, self._speed_mps)
+        self._pose, self._place = pose, place
+        if not self._presence.on_route:
+            self._along = None
+            return
+        is_far = abs(place.cross_track_m) > self._tuning.off_route_m
+        if not is_far or self._along is None:
+            self._along = self._measured(pose, place)
+        along = self._along.at(pose.t_ns)
+        self._hold(before, along)
+        self._place = place._replace(total_m=along.total_m)
+        self._visits.observe(along.total_m, along.speed_mps, pose.t_ns)
+
+    def _measured(self, pose: Pose, place: Place) -> AlongFilter:
+        along, told_mps = self._along, pose.speed_mps
+        if along is None:
+            place_m, std_m = place.total_m, place.along_std_m
+            return AlongFilter(self._motion, pose.t_ns, place_m, std_m, told_mps or 0.0)
+        moves = None
+        if told_mps is not None:
+            standing, moving = self._tuning.eta_standing_mps, self._tuning.eta_moving_mps
+            moves = True if told_mps >= moving else False if told_mps < standing else None
+        along.report(pose.t_ns, place.total_m, place.along_std_m, moves=moves)
+        return along
+
+    def _hold(self, before: Along | None, now: Along) -> None:
+        """Let progress wait for a vehicle that drives behind what was told of it, within noise.
+
+        Where it stands it is told to stand.
+        """
+        floor_m, self._floor_m = self._floor_m, now.total_m
+        if before is not None and now.speed_mps > 0.0:
+            told_m = max(before.total_m, floor_m)
+            if told_m - now.total_m < max(HOLD_M, HOLD_SIGMAS * before.std_m):
+                self._floor_m = max(told_m, now.total_m)
 
     def _held(self, place: Place) -> Place:
         if self._place is None:
@@ -80,6 +194,7 @@ class RouteFollower:
         if self._place is None:
             return None
         place, total_m = self._place, self._total_at(t_ns)
+        along = self._along.at(t_ns) if self._along is not None else None
         lap, within_m = lap_of(self.route, total_m)
         lat_deg, lon_deg, _ = self.route.line.point_at(within_m)
         return Progress(
@@ -90,18 +205,27 @@ class RouteFollower:
             lat_deg=lat_deg,
             lon_deg=lon_deg,
             cross_track_m=place.cross_track_m,
-            distance_std_m=place.along_std_m,
+            distance_std_m=along.std_m if along else place.along_std_m,
             on_route=self.on_route,
-            speed_mps=self._speed_mps,
+            speed_mps=along.speed_mps if along else self._speed_mps,
         )
 
     def outlook(self, t_ns: int) -> Outlook | None:
         """What arrivals are predicted from; None while the vehicle does not follow the route.
 
-        Of an instant at most EXTRAPOLATE_AT_MOST_S after the last pose.
+        Of an instant at most EXTRAPOLATE_AT_MOST_S after the last pose, or any after a report.
         """
         if self._place is None or self._pose is None or not self.on_route:
             return None
+        if self._along is not None:
+            along = self._along.at(t_ns)
+            return Outlook(
+                t_ns=t_ns,
+                total_m=along.total_m,
+                served_m=max(self._visits.served_m, along.total_m),
+                distance_std_m=along.std_m,
+                stand=along.stand,
+            )
         at_ns = min(t_ns, self._pose.t_ns + round(EXTRAPOLATE_AT_MOST_S * 1e9))
         total_m = self._total_at(at_ns)
         return Outlook(
@@ -109,12 +233,14 @@ class RouteFollower:
             total_m=total_m,
             served_m=max(self._visits.served_m, total_m),
             distance_std_m=self._place.along_std_m,
-            dwell_left_s=self._visits.dwell_left_s(at_ns),
+            stand=self._visits.stand(at_ns),
         )
 
     def _total_at(self, t_ns: int) -> float:
         if self._place is None or self._pose is None:
             return 0.0
+        if self._along is not None:
+            return max(self._along.at(t_ns).total_m, self._floor_m)
         ahead_s = min(max((t_ns - self._pose.t_ns) * 1e-9, 0.0), EXTRAPOLATE_AT_MOST_S)
         speed_mps = max(self._speed_mps, 0.0) if self.on_route else 0.0
         total_m = self._place.total_m + speed_mps * ahead_s

@@ -11,9 +11,14 @@ from numpy.typing import NDArray
 
 from wayline.route import Route
 from wayline.tuning import Tuning
+from wayline_eta.stands import MOVING, Stand, goes_on
 
 Floats = NDArray[np.float64]
 
+STANDS_WITHIN_M = 20.0
+"""A vehicle that creeps on by less stands on: queues do."""
+BOARDING_S = 20.0
+"""At stops where vehicles wait for their time the plan's dwell is mostly that: late ones board."""
 GOES_BACK_M = 100.0
 """A place this far behind the last served stop is a new trip (or a mistake undone)."""
 
@@ -26,15 +31,19 @@ class StopVisits:
         self._served_m: float | None = None
         self._stood_at_m: float | None = None
         self._leaves_ns = 0
+        self._earliest_ns: Floats | None = None
+        self._stands_at_m: float | None = None
+        """Where it stands, at a stop or not; None while it drives."""
+        self._stands_since_ns = 0
 
     @property
     def served_m(self) -> float:
         """Stops up to here have been arrived at."""
         return 0.0 if self._served_m is None else self._served_m
 
-    def run_as(self, route: Route) -> None:
-        """Go on by another plan of the same line: other dwells."""
-        self._route = route
+    def run_as(self, route: Route, leaves_ns: Floats | None = None) -> None:
+        """Go on by another plan of the same line: other dwells, other earliest departures."""
+        self._route, self._earliest_ns = route, leaves_ns
 
     def observe(self, total_m: float, speed_mps: float, t_ns: int) -> None:
         """Take the vehicle's next place and speed."""
@@ -43,9 +52,22 @@ class StopVisits:
         if total_m < served_m - GOES_BACK_M:
             self._served_m, self._stood_at_m = total_m, None
         if abs(speed_mps) < self._tuning.eta_standing_mps:
+            if self._stands_at_m is None or abs(total_m - self._stands_at_m) > STANDS_WITHIN_M:
+                self._stands_at_m, self._stands_since_ns = total_m, t_ns
             self._stand(total_m, t_ns)
-        elif self._has_left(total_m, speed_mps):
+            return
+        if abs(speed_mps) >= self._tuning.eta_moving_mps:
+            self._stands_at_m = None
+        if self._has_left(total_m, speed_mps):
             self._leaves_ns = 0
+
+    def stand(self, t_ns: int) -> Stand:
+        """How long it will still stand where it does: until it leaves a stop, or as stands go."""
+        if self._stands_at_m is None:
+            return MOVING
+        due_ns = max(self._leaves_ns, self._stands_since_ns)
+        overdue = goes_on(max(t_ns - due_ns, 0) * 1e-9)
+        return overdue.at_least(self.dwell_left_s(t_ns))
 
     def dwell_left_s(self, t_ns: int) -> float:
         """Planned seconds that the vehicle will still stand at the stop where it stands."""
@@ -62,7 +84,15 @@ class StopVisits:
         self._served_m = max(self.served_m, place_m)
         if place_m != self._stood_at_m:
             self._stood_at_m = place_m
-            self._leaves_ns = t_ns + round(float(self._route.stop_dwells_s[last]) * 1e9)
+            self._leaves_ns = t_ns + round(self._dwell_s(int(last), t_ns) * 1e9)
+
+    def _dwell_s(self, stop: int, t_ns: int) -> float:
+        """Planned; where the vehicle waits for its time, until then."""
+        planned_s = float(self._route.stop_dwells_s[stop])
+        earliest_ns = -math.inf if self._earliest_ns is None else float(self._earliest_ns[stop])
+        if not math.isfinite(earliest_ns):
+            return planned_s
+        return max(min(planned_s, BOARDING_S), (earliest_ns - t_ns) * 1e-9)
 
     def _has_left(self, total_m: float, speed_mps: float) -> bool:
         moving = abs(speed_mps) >= self._tuning.eta_moving_mps

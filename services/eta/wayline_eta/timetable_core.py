@@ -7,13 +7,23 @@ import msgspec
 
 from wayline.core import Record, Sleep
 from wayline.inputs import Tick
-from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopArrival
+from wayline.messages import (
+    TEXT_MAX,
+    Arrivals,
+    GpsFix,
+    Message,
+    Pose,
+    Progress,
+    StopArrival,
+)
 from wayline.node import Node
 from wayline.timetable.runs import Run, Runs
 from wayline.tuning import Tuning
-from wayline_eta.arrivals import predict_arrivals
-from wayline_eta.trip_arrivals import before_the_fork, of_next_run, of_run
-from wayline_eta.trip_choice import Followed, TripChoice
+from wayline_eta import stop_events, trip_arrivals
+from wayline_eta.sightings import Sighting, Sightings
+from wayline_eta.stop_events import StopEvents
+from wayline_eta.trip_choice import TripChoice
+from wayline_eta.trip_fit import Followed, is_same
 
 SECOND_NS = 1_000_000_000
 
@@ -38,39 +48,62 @@ class TimetableEtaCore:
     def __init__(self, runs: Runs, tuning: Tuning, assignment: str | None = None) -> None:
         self._choice = TripChoice(runs, tuning)
         self._tuning, self._configured = tuning, assignment
+        self._sightings = Sightings(tuning)
+        self._events = StopEvents()
         self._pose: Pose | None = None
         self._is_stale = False
         """Whether it has been told that the pose is old."""
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take a pose, a report with an assignment or a tick; anything else is not read."""
-        del source
         if isinstance(message, GpsFix):
+            self._sightings.take_fix(message, source)
             self._choice.assign(message.assignment, message.t_ns)
             if message.valid:
                 self._choice.count_fix()
         elif isinstance(message, Pose):
-            self._take(message)
+            self._take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
-            return self._tell(message.t_ns, message.age_ns)
+            self._take(self._sightings.pass_time(message.t_ns))
+            told = self._tell(message.t_ns, message.age_ns)
+            return [*self._events.take(), *told]
         return ()
 
-    def _take(self, pose: Pose) -> None:
-        if pose.lat_deg is None or pose.lon_deg is None or pose.mode == "lost":
+    def _take(self, seen: Sequence[Sighting]) -> None:
+        for pose, reported in seen:
+            if pose.lat_deg is None or pose.lon_deg is None:
+                continue
+            self._choice.assign(self._configured, pose.t_ns)
+            self._pose, self._is_stale = pose, False
+            before, following = self._choice.current, self._choice.next_run
+            self._choice.observe(pose, pose.lat_deg, pose.lon_deg, reported=reported)
+            self._note(before, following, pose.t_ns)
+
+    def _note(self, before: Followed | None, following: Run | None, t_ns: int) -> None:
+        """What happened at stops: to the end of the trip before, then on the present one."""
+        now, known = self._choice.current, self._choice.is_certain
+        if before is not None:
+            self._note_of(before, known=known)
+        if now is None or (before is not None and is_same(now.run, before.run)):
             return
-        self._choice.assign(self._configured, pose.t_ns)
-        self._pose, self._is_stale = pose, False
-        self._choice.observe(pose, pose.lat_deg, pose.lon_deg)
+        if following is not None and is_same(now.run, following):
+            self._events.finish(t_ns)
+        self._note_of(now, known=known)
+
+    def _note_of(self, followed: Followed, *, known: bool) -> None:
+        run = followed.run
+        key = (run.pattern_place, run.trip.trip_id, run.starts_ns)
+        self._events.note(followed.follower, key, stop_events.of_run(run), known=known)
 
     def _tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
         pose, current = self._pose, self._choice.current
         if pose is None or current is None:
             return []
         age_s = (t_ns - pose.t_ns + pose_age_ns) * 1e-9
-        if age_s > self._tuning.eta_forget_after_s:
+        if age_s > self._sightings.forgotten_after_s:
             self._pose = None
             return [self._arrivals(current, t_ns, pose.t_ns, (), stale=True)]
-        stale = age_s > self._tuning.eta_stale_after_s
+        stale = age_s > self._sightings.stale_after_s
         if stale and self._is_stale:
             return []
         self._is_stale = stale
@@ -82,16 +115,26 @@ class TimetableEtaCore:
     def _trip_id(self, run: Run) -> str | None:
         return run.trip.trip_id if self._choice.is_certain else None
 
+    def _headsign(self, run: Run) -> str | None:
+        told = run.trip.headsign[:TEXT_MAX] or None
+        return told if self._choice.is_certain else None
+
+    def _direction_id(self, run: Run) -> int | None:
+        """Null as long as it may be the other one."""
+        told = run.pattern.direction_id
+        rivals = () if self._choice.is_certain else self._choice.rivals
+        return told if all(rival.pattern.direction_id == told for rival in rivals) else None
+
     def _progress(self, current: Followed, t_ns: int) -> Progress | None:
         progress, run = current.follower.progress(t_ns), current.run
         if progress is None:
             return None
-        known = self._choice.is_certain and progress.on_route
+        known = self._choice.is_certain and progress.on_route and run.is_exact
         return msgspec.structs.replace(
             progress,
             route_id=run.pattern.route_id,
             trip_id=self._trip_id(run),
-            direction_id=run.pattern.direction_id,
+            direction_id=self._direction_id(run),
             delay_s=run.delay_s(progress.distance_m, t_ns) if known else None,
         )
 
@@ -101,12 +144,13 @@ class TimetableEtaCore:
             return ()
         first_m = float(run.trip_route.route.stop_distances_m[0])
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
-            waits_s = max((run.departs_ns - outlook.t_ns) * 1e-9, outlook.dwell_left_s)
-            outlook = outlook._replace(dwell_left_s=waits_s)
-        told = of_run(run, predict_arrivals(run.trip_route.route, outlook, t_ns))
+            waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
+            outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
+        told = trip_arrivals.of_run(run, outlook, t_ns, current.follower.motion)
         if not self._choice.is_certain:
-            return before_the_fork(told, self._choice.rivals)
-        return (*told, *of_next_run(self._choice.next_run, told))
+            rivals = [rival.trip_route.route for rival in self._choice.rivals]
+            return trip_arrivals.before_the_fork(told, rivals)
+        return (*told, *trip_arrivals.of_next_run(self._choice.next_run, told))
 
     def _arrivals(
         self,
@@ -121,6 +165,7 @@ class TimetableEtaCore:
             t_ns=t_ns,
             route_id=current.run.pattern.route_id,
             trip_id=self._trip_id(current.run),
+            headsign=self._headsign(current.run),
             stale=stale,
             position_ns=position_ns,
             stops=stops,

@@ -3,29 +3,34 @@
 from collections.abc import Sequence
 from itertools import takewhile
 
-import msgspec
-
 from wayline.messages import LIST_MAX, StopArrival
+from wayline.route import Route
 from wayline.timetable.runs import Run
+from wayline_eta.arrivals import Outlook, predict_visits
+from wayline_eta.expected_motion import ExpectedMotion
 
 SECOND_NS = 1_000_000_000
 
 
-def of_run(run: Run, told: Sequence[StopArrival]) -> tuple[StopArrival, ...]:
-    """Arrivals of a run with their scheduled time and the departure that follows."""
-    stops, plan = run.trip_route.route.stops, run.trip_route.plan
-    last = {stop.stop_id: at for at, stop in reversed(list(enumerate(stops)))}
-    found = []
-    for arrival in told:
-        at = last[arrival.stop_id]
-        departs_ns = arrival.arrival_ns + round(stops[at].dwell_s * SECOND_NS)
-        if at == 0:
-            departs_ns = max(departs_ns, run.departs_ns)
-        scheduled_ns = run.starts_ns + round(float(plan.arrivals_s[at]) * SECOND_NS)
-        found.append(
-            msgspec.structs.replace(arrival, scheduled_ns=scheduled_ns, departure_ns=departs_ns)
+def of_run(
+    run: Run, outlook: Outlook, now_ns: int, motion: ExpectedMotion
+) -> tuple[StopArrival, ...]:
+    """Predicted arrivals of a run with their scheduled times and the departures that follow."""
+    route, arrivals_s = run.trip_route.route, run.trip_route.plan.arrivals_s
+    return tuple(
+        StopArrival(
+            stop_id=route.stops[visit.stop].stop_id,
+            name=route.stops[visit.stop].name,
+            distance_m=visit.distance_m,
+            arrival_ns=visit.arrival_ns,
+            early_ns=visit.early_ns,
+            late_ns=visit.late_ns,
+            departure_ns=visit.departure_ns,
+            scheduled_ns=_promised(run, _planned_ns(run, float(arrivals_s[visit.stop]))),
+            confidence="timetable",
         )
-    return tuple(found)
+        for visit in predict_visits(route, outlook, now_ns, motion)
+    )
 
 
 def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArrival, ...]:
@@ -53,14 +58,26 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
             early_ns=scheduled_ns,
             late_ns=scheduled_ns + late_ns + (end.late_ns - end.arrival_ns),
             departure_ns=scheduled_ns + late_ns + round(stop.dwell_s * SECOND_NS),
-            scheduled_ns=scheduled_ns,
+            scheduled_ns=_promised(run, scheduled_ns),
             trip_id=run.trip.trip_id,
+            confidence="timetable",
         )
         found.setdefault(stop.stop_id, arrival)
     return tuple(found.values())
 
 
-def before_the_fork(told: Sequence[StopArrival], rivals: Sequence[Run]) -> tuple[StopArrival, ...]:
+def _planned_ns(run: Run, time_s: float) -> int:
+    return run.starts_ns + round(time_s * SECOND_NS)
+
+
+def _promised(run: Run, scheduled_ns: int) -> int | None:
+    """Null where only the time between two vehicles is promised."""
+    return scheduled_ns if run.is_exact else None
+
+
+def before_the_fork(
+    told: Sequence[StopArrival], rivals: Sequence[Route]
+) -> tuple[StopArrival, ...]:
     """The arrivals up to the first stop that a rival line does not serve."""
-    served = [{stop.stop_id for stop in run.trip_route.route.stops} for run in rivals]
+    served = [{stop.stop_id for stop in route.stops} for route in rivals]
     return tuple(takewhile(lambda stop: all(stop.stop_id in each for each in served), told))

@@ -17,6 +17,12 @@ def seconds_of_clock(text: str) -> int | None:
     return 3600 * int(hours) + 60 * int(minutes) + int(seconds)
 
 
+def clock_of_seconds(seconds: float) -> str:
+    """The inverse of `seconds_of_clock`, to the second."""
+    whole = round(seconds)
+    return f"{whole // 3600:02d}:{whole // 60 % 60:02d}:{whole % 60:02d}"
+
+
 def ordinal_of_date(text: str) -> int | None:
     """The ordinal of a date such as `20260131`; None for anything else."""
     if not (parts := DATE.fullmatch(text.strip())):

@@ -1,5 +1,6 @@
 """Loads the timetables that a service or a replay is given, and says what is doubtful of them."""
 
+import datetime as dt
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from wayline.timetable.model import Timetable
 from wayline.timetable.notes import Notes
 from wayline.timetable.reading import read_files, read_timetable
 from wayline.timetable.tables import FeedFiles
+from wayline.timetable.versions import NEVER, superseded_days
 
 
 def load_timetable(path: Path, database_url: str | None) -> Timetable:
@@ -39,7 +41,13 @@ def timetable_warnings(
     for timetable in timetables:
         yield from (f"{timetable.source} {note}" for note in timetable.notes)
     known = [{trip.trip_id for trip in each.trips} for each in timetables]
-    if common := set[str]().union(*(a & b for at, a in enumerate(known) for b in known[:at])):
+    superseded = superseded_days(timetables)
+    for timetable, day in zip(timetables, superseded, strict=True):
+        if day != NEVER:
+            newer = f"a newer version counts from {dt.date.fromordinal(day)} on"
+            yield f"{timetable.source}: {newer}"
+    lasting = [ids for ids, day in zip(known, superseded, strict=True) if day == NEVER]
+    if common := set[str]().union(*(a & b for at, a in enumerate(lasting) for b in lasting[:at])):
         shown = f"{len(common):,} trip ids are in two feeds, e.g. {min(common)}"
         yield f"{shown}: place and time decide"
     blocks = {trip.block_id for each in timetables for trip in each.trips}

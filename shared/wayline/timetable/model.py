@@ -13,8 +13,11 @@ UNTIMED = -1
 """In `Timing`: the feed gives no time there."""
 
 
-class Part(msgspec.Struct, frozen=True, array_like=True):
-    """A part of a timetable; its fields are kept by position, without their names."""
+class Part(msgspec.Struct, frozen=True, array_like=True, gc=False):
+    """A part of a timetable; its fields are kept by position, without their names.
+
+    None can hold itself, so the collector of garbage need not look at hundreds of thousands.
+    """
 
 
 class Agency(Part, frozen=True):

@@ -1,6 +1,5 @@
 """Pure: the trips of some feeds as they are run: on a day, from an instant to an instant."""
 
-import itertools
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import NamedTuple
@@ -12,13 +11,16 @@ from numpy.typing import NDArray
 from wayline.errors import InputError
 from wayline.geo import metres_per_degree
 from wayline.timetable.calendar import SECOND_NS, instant_ns, service_days
-from wayline.timetable.model import Pattern, Timetable, Trip
+from wayline.timetable.model import Frequency, Pattern, Timetable, Trip
 from wayline.timetable.notes import Notes
 from wayline.timetable.trip_route import PatternRoutes, TripRoute
+from wayline.timetable.versions import superseded_days
 
 Floats = NDArray[np.float64]
 LONGEST_TRIP_S = 6 * 3600
 """After a trip's first time; what begins earlier is not looked for any longer."""
+SLOT_NS = 600 * SECOND_NS
+"""Vehicles ask at every pose which trips there are around: within this the answer is the same."""
 PatternPlace = tuple[int, int]
 """Of a feed, and of a pattern within it."""
 
@@ -32,6 +34,8 @@ class Run(NamedTuple):
     starts_ns: int
     """Of the plan's zero."""
     trip_route: TripRoute
+    is_exact: bool = True
+    """Whether it is promised at its times; else only the time between two vehicles is."""
 
     @property
     def departs_ns(self) -> int:
@@ -42,6 +46,14 @@ class Run(NamedTuple):
     def ends_ns(self) -> int:
         """Arrival at the last stop."""
         return self.starts_ns + _ns(self.trip_route.plan.arrivals_s[-1])
+
+    @property
+    def leaves_ns(self) -> Floats:
+        """Before when the vehicle leaves no stop, shape (stops,); minus infinity where it may."""
+        departures_s = self.trip_route.plan.departures_s
+        times_ns = self.starts_ns + departures_s * float(SECOND_NS)
+        waits = np.asarray(self.trip_route.timepoints) & self.is_exact
+        return np.where(waits, times_ns, -np.inf)
 
     def delay_s(self, distance_m: float, t_ns: int) -> float:
         """How late a vehicle is that is so far along at an instant; negative is early.
@@ -76,10 +88,12 @@ class Runs:
     """Every trip of some feeds, by its id, its block and its pattern."""
 
     def __init__(self, timetables: Sequence[Timetable]) -> None:
-        self._feeds = tuple(timetables)
-        self._zones = [ZoneInfo(feed.timezone) for feed in self._feeds]
+        self.feeds = tuple(timetables)
+        self._zones = [ZoneInfo(feed.timezone) for feed in self.feeds]
+        self._superseded = superseded_days(self.feeds)
         self._lines: dict[PatternPlace, PatternRoutes | None] = {}
         self._routes: dict[tuple[PatternPlace, int], TripRoute] = {}
+        self._in_slots: dict[PatternPlace, tuple[int, list[Run]]] = {}
 
     def assigned(self, name: str, t_ns: int) -> list[Run]:
         """The runs of a trip or block around an instant, in the order in which they begin."""
@@ -97,9 +111,14 @@ class Runs:
 
     def of_pattern(self, place: PatternPlace, t_ns: int) -> list[Run]:
         """The runs of a pattern around an instant, in the order in which they begin."""
-        trips = self._of_patterns.get(place, ())
-        runs = [run for trip in trips for run in self._around(place[0], trip, t_ns)]
-        return sorted(runs, key=lambda run: run.departs_ns)
+        slot = t_ns // SLOT_NS
+        known = self._in_slots.get(place)
+        if known is None or known[0] != slot:
+            middle_ns = slot * SLOT_NS + SLOT_NS // 2
+            trips = self._of_patterns.get(place, ())
+            runs = [run for trip in trips for run in self._around(place[0], trip, middle_ns)]
+            known = self._in_slots[place] = slot, sorted(runs, key=lambda run: run.departs_ns)
+        return known[1]
 
     def near(self, lat_deg: float, lon_deg: float, within_m: float) -> list[PatternPlace]:
         """The patterns whose bounding box is within a distance of a place."""
@@ -114,7 +133,7 @@ class Runs:
     def line_of(self, place: PatternPlace) -> PatternRoutes | None:
         """The routes of a pattern; None where no line can be made of it."""
         if place not in self._lines:
-            feed = self._feeds[place[0]]
+            feed = self.feeds[place[0]]
             try:
                 routes = PatternRoutes(feed, feed.patterns[place[1]], Notes())
             except InputError:  # reading the feed has said so
@@ -126,7 +145,7 @@ class Runs:
     @cached_property
     def _named(self) -> dict[str, list[tuple[int, Trip]]]:
         named: dict[str, list[tuple[int, Trip]]] = {}
-        for place, feed in enumerate(self._feeds):
+        for place, feed in enumerate(self.feeds):
             for trip in feed.trips:
                 for name in {trip.trip_id, trip.block_id} - {None}:
                     named.setdefault(str(name), []).append((place, trip))
@@ -135,50 +154,53 @@ class Runs:
     @cached_property
     def _of_patterns(self) -> dict[PatternPlace, list[Trip]]:
         found: dict[PatternPlace, list[Trip]] = {}
-        for place, feed in enumerate(self._feeds):
+        for place, feed in enumerate(self.feeds):
             for trip in feed.trips:
                 found.setdefault((place, trip.pattern), []).append(trip)
         return found
 
     @cached_property
-    def _repeats(self) -> dict[tuple[int, str], list[tuple[int, int, int]]]:
-        found: dict[tuple[int, str], list[tuple[int, int, int]]] = {}
-        for place, feed in enumerate(self._feeds):
+    def _repeats(self) -> dict[tuple[int, str], list[Frequency]]:
+        found: dict[tuple[int, str], list[Frequency]] = {}
+        for place, feed in enumerate(self.feeds):
             for each in feed.frequencies:
                 trip_id = feed.trips[each.trip].trip_id
-                times = (each.start_s, each.end_s, each.headway_s)
-                found.setdefault((place, trip_id), []).append(times)
+                found.setdefault((place, trip_id), []).append(each)
         return found
 
     @cached_property
     def _boxes(self) -> tuple[Floats, list[PatternPlace]]:
         """South, north, west and east of every pattern; over the antimeridian east is past 180."""
         places = [
-            (at, each) for at, feed in enumerate(self._feeds) for each in range(len(feed.patterns))
+            (at, each) for at, feed in enumerate(self.feeds) for each in range(len(feed.patterns))
         ]
-        boxes = [_box(self._feeds[at], self._feeds[at].patterns[each]) for at, each in places]
+        boxes = [_box(self.feeds[at], self.feeds[at].patterns[each]) for at, each in places]
         return np.array(boxes, dtype=np.float64).reshape(-1, 4), places
 
     def _around(self, feed: int, trip: Trip, t_ns: int) -> Iterator[Run]:
         """The runs of a trip that may be under way at an instant, or are a few hours from it."""
-        place, timetable, zone = (feed, trip.pattern), self._feeds[feed], self._zones[feed]
+        place, timetable, zone = (feed, trip.pattern), self.feeds[feed], self._zones[feed]
         routes, service = self.line_of(place), timetable.services[trip.service]
         if routes is None:
             return
         for day in service_days(t_ns, zone, 2 * 86_400.0):
-            if not service.runs_on(day):
+            if not service.runs_on(day) or day.toordinal() >= self._superseded[feed]:
                 continue
-            for start_s in self._starts_s(feed, trip):
+            for start_s, is_exact in self._starts(feed, trip):
                 starts_ns = instant_ns(day, start_s, zone)
                 if abs(t_ns - starts_ns) <= LONGEST_TRIP_S * SECOND_NS:
                     route = self._route(routes, place, trip)
-                    yield Run(place, routes.pattern, trip, starts_ns, route)
+                    yield Run(place, routes.pattern, trip, starts_ns, route, is_exact)
 
-    def _starts_s(self, feed: int, trip: Trip) -> Sequence[int]:
+    def _starts(self, feed: int, trip: Trip) -> Iterator[tuple[int, bool]]:
+        """When a trip begins on its days, and whether that is promised."""
         repeats = self._repeats.get((feed, trip.trip_id))
         if repeats is None:
-            return (trip.starts_s,)
-        return list(itertools.chain.from_iterable(range(*times) for times in repeats))
+            yield trip.starts_s, True
+            return
+        for each in repeats:
+            for start_s in range(each.start_s, each.end_s, each.headway_s):
+                yield start_s, each.exact
 
     def _route(self, routes: PatternRoutes, place: PatternPlace, trip: Trip) -> TripRoute:
         key = (place, trip.timing)

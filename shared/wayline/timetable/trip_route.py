@@ -25,6 +25,8 @@ class TripRoute(NamedTuple):
     """Times after the trip's start, one a stop of the route."""
     sequences: tuple[int, ...]
     """The feed's `stop_sequence` of each stop."""
+    timepoints: tuple[bool, ...]
+    """Stops where a vehicle waits for its time: those that the feed names, and the first."""
 
 
 class PatternRoutes:
@@ -89,7 +91,11 @@ class PatternRoutes:
             plan.slow[final],
         )
         sequences = tuple(self.pattern.sequences[self._placed.rows[row]] for row, _ in kept)
-        return TripRoute(route, at_stops, sequences)
+        timepoints = tuple(
+            at == 0 or any(timing.timepoints[self._placed.rows[row]] for row in range(a, b + 1))
+            for at, (a, b) in enumerate(kept)
+        )
+        return TripRoute(route, at_stops, sequences, timepoints)
 
     def _stop(self, row: int, last: int, plan: Plan) -> Stop:
         dwell_s = float(plan.departures_s[last] - plan.arrivals_s[row])

@@ -9,7 +9,7 @@ from wayline.messages import Arrivals, GpsFix, Horizon, Message, Pose, Progress
 from wayline.node import Node
 from wayline.tuning import Tuning
 from wayline_bench.fleet_vehicle import ROUTE_ID, SPEED_MPS, STOPS, Vehicle, ring
-from wayline_eta.core import make_eta_core
+from wayline_eta.core import eta_node
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.known_roads import KnownRoads
 
@@ -30,7 +30,7 @@ def heard_by(node: Node, start_m: float, seconds: int) -> list[Message]:
 
 @pytest.mark.parametrize("start_m", [0.0, 3000.0, ring().length_m - 20.0])
 def test_eta_follows_a_vehicle_from_its_second_pose_on(start_m: float) -> None:
-    outputs = heard_by(Node("eta", make_eta_core([ring()], Tuning())), start_m, 30)
+    outputs = heard_by(eta_node([ring()], Tuning()), start_m, 30)
     progress = [each for each in outputs if isinstance(each, Progress)]
     arrivals = [each for each in outputs if isinstance(each, Arrivals)]
     assert len(progress) >= 29

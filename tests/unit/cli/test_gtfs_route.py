@@ -123,3 +123,20 @@ def test_what_is_no_feed_is_refused(tmp_path: Path) -> None:
     (tmp_path / "text").write_text("hello")
     with pytest.raises(InputError, match="is not a GTFS feed"):
         route_from_gtfs(tmp_path / "text", "t1")
+
+
+def test_a_trip_that_ends_where_it_began_is_a_loop(feed: Callable[..., Path]) -> None:
+    """A circular shuttle: its terminus is one stop, where the next lap begins."""
+    tables = {
+        "stops": "stop_id,stop_name,stop_lat,stop_lon\n"
+        "a,A,55.0,10.0\nb,B,55.01,10.0\nc,C,55.01,10.02\n",
+        "stop_times": "trip_id,arrival_time,departure_time,stop_id,stop_sequence\n"
+        "t1,08:00:00,08:00:00,a,1\nt1,08:03:00,08:03:00,b,2\n"
+        "t1,08:06:00,08:06:00,c,3\nt1,08:10:00,08:11:00,a,4\n",
+        "trips": "route_id,service_id,trip_id\n7,s,t1\n",
+    }
+    route = route_from_gtfs(feed(**tables), "t1")
+    assert route.loop
+    assert [stop.stop_id for stop in route.stops] == ["a", "b", "c"]
+    assert route.duration_s == pytest.approx(600.0, abs=1.0)
+    assert route.stops[0].dwell_s == 60.0

@@ -8,7 +8,7 @@ import numpy as np
 from wayline.geo import LocalPlane
 from wayline.inputs import Tick
 from wayline.line import Line
-from wayline.messages import Arrivals, Message, Pose, Progress
+from wayline.messages import Arrivals, Pose, Progress
 from wayline.route import Route, make_route
 from wayline.stops import StopPlace
 from wayline_eta.core import EtaCore
@@ -108,7 +108,7 @@ def follow(core: EtaCore, drive: Sequence[tuple[Pose, float]]) -> list[Told]:
     for pose, true_m in drive:
         assert core.handle(pose, "fusion") == ()
         outputs = core.handle(Tick(pose.t_ns), "clock")
-        answers = [output for output in outputs if isinstance(output, Message)]
+        answers = [output for output in outputs if isinstance(output, Progress | Arrivals)]
         if not answers:
             continue
         progress, arrivals = answers

@@ -94,10 +94,17 @@ def test_arrivals_are_the_cores_own_numbers(board: Board, told: Told) -> None:
             "stop_id": stop.stop_id,
             "name": stop.name,
             "vehicle_id": "bus-1",
+            "route_id": "north/south",
+            "trip_id": None,
+            "headsign": None,
             "distance_m": stop.distance_m,
             "arrival": rfc3339(stop.arrival_ns),
             "early": rfc3339(stop.early_ns),
             "late": rfc3339(stop.late_ns),
+            "departure": None,
+            "scheduled": None,
+            "delay_s": None,
+            "confidence": "planned",
             "seconds": pytest.approx((stop.arrival_ns - told.arrivals.t_ns) * 1e-9, abs=5e-4),
             "age_s": 0.0,
             "stale": False,
@@ -219,6 +226,7 @@ def test_a_vehicle_has_position_progress_and_age(board: Board, clock: Clock, tol
         "cross_track_m": progress.cross_track_m,
         "distance_std_m": progress.distance_std_m,
         "speed_mps": progress.speed_mps,
+        "delay_s": None,
     }
     assert client(board).get("/v1/vehicles").json() == {"vehicles": [vehicle]}
 
@@ -312,7 +320,7 @@ def test_a_route_is_listed_and_answered_as_geojson(board: Board) -> None:
         ("/v1/vehicles/bus-9", "no vehicle bus-9 was heard; /v1/vehicles lists them"),
         ("/v1/vehicles/bus-9/arrivals", "no vehicle bus-9 was heard; /v1/vehicles lists them"),
         ("/v1/routes/a%2Fb", "no route a/b; /v1/routes lists them"),
-        ("/v1/stops/s9/arrivals", "no route has a stop s9; the GeoJSON of routes lists them"),
+        ("/v1/stops/s9/arrivals", "no route has a stop s9; /v1/stops lists them"),
     ],
 )
 def test_what_is_not_known_is_a_problem(board: Board, path: str, detail: str) -> None:
@@ -345,6 +353,71 @@ def test_openapi_describes_paths_parameters_and_answers(board: Board) -> None:
     assert schema == {"$ref": "#/components/schemas/ArrivalList"}
     fields = document["components"]["schemas"]["ArrivalAnswer"]["properties"]
     assert list(fields) == [
-        "stop_id", "name", "vehicle_id", "distance_m", "arrival", "early", "late", "seconds",
-        "age_s", "stale",
+        "stop_id", "name", "vehicle_id", "route_id", "trip_id", "headsign", "distance_m", "arrival",
+        "early", "late", "departure", "scheduled", "delay_s", "confidence", "seconds", "age_s",
+        "stale",
     ]  # fmt: skip
+
+
+def test_a_trip_s_arrivals_tell_where_it_goes_and_how_late_it_is(board: Board, told: Told) -> None:
+    """Of a later trip of the block the present headsign says nothing."""
+    first, second, *_ = told.arrivals.stops
+    timed = [
+        msgspec.structs.replace(
+            stop,
+            scheduled_ns=stop.arrival_ns - 90 * SECOND_NS,
+            departure_ns=stop.arrival_ns + 20 * SECOND_NS,
+            confidence="timetable",
+            trip_id=trip_id,
+        )
+        for stop, trip_id in ((first, None), (second, "later"))
+    ]
+    arrivals = msgspec.structs.replace(
+        told.arrivals, trip_id="now", headsign="Harbour", stops=tuple(timed)
+    )
+    board.hear("bus-1", arrivals, "eta")
+    now, later = arrivals_of(board)
+    assert (now["trip_id"], now["headsign"], now["delay_s"]) == ("now", "Harbour", 90.0)
+    assert now["scheduled"] == rfc3339(first.arrival_ns - 90 * SECOND_NS)
+    assert now["departure"] == rfc3339(first.arrival_ns + 20 * SECOND_NS)
+    assert (later["trip_id"], later["headsign"]) == ("later", None)
+
+
+def test_stops_are_listed_and_found_near_a_place(board: Board) -> None:
+    http = client(board)
+    assert [stop["stop_id"] for stop in http.get("/v1/stops").json()["stops"]] == ["s0", "s1", "s2"]
+    stop = ROUTE.stops[1]
+    near = f"{stop.lat_deg:.6f},{stop.lon_deg:.6f}"
+    [found] = http.get("/v1/stops", params={"near": near, "radius_m": 50}).json()["stops"]
+    assert (found["stop_id"], found["distance_m"]) == ("s1", pytest.approx(0.0, abs=0.2))
+    wide = http.get("/v1/stops", params={"near": near, "radius_m": 5000, "limit": 2}).json()
+    assert len(wide["stops"]) == 2
+    assert wide["stops"][0]["stop_id"] == "s1"
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"near": "here"}, {"near": "91,0"}, {"near": "1,2", "radius_m": 0}, {"limit": 0}]
+)
+def test_a_place_that_is_none_is_refused(board: Board, wrong: dict[str, str]) -> None:
+    assert client(board).get("/v1/stops", params=wrong).status_code == 422
+
+
+def test_a_stop_s_arrivals_can_be_asked_for_by_route_minutes_and_number(
+    board: Board, told: Told
+) -> None:
+    """Of two vehicles of two routes, ten seconds and five minutes away."""
+    later = [
+        msgspec.structs.replace(stop, arrival_ns=stop.arrival_ns + 300 * SECOND_NS)
+        for stop in told.arrivals.stops
+    ]
+    other = msgspec.structs.replace(told.arrivals, route_id="other", stops=tuple(later))
+    board.hear("bus-2", other, "eta")
+
+    def vehicles(**asked: str | float) -> list[str]:
+        found = client(board).get("/v1/stops/s0/arrivals", params=asked).json()["arrivals"]
+        return [at["vehicle_id"] for at in found]
+
+    assert vehicles() == ["bus-1", "bus-2"]
+    assert vehicles(route_id="other") == ["bus-2"]
+    assert vehicles(minutes=2) == vehicles(limit=1) == ["bus-1"]
+    assert client(board).get("/v1/stops/s0/arrivals?minutes=0").status_code == 422

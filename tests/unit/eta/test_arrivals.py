@@ -6,6 +6,7 @@ from unit.eta.route_drives import SECOND_NS, SQUARE, START_NS, Metres, route_of
 from wayline.messages import StopArrival
 from wayline.route import Route
 from wayline_eta.arrivals import Outlook, predict_arrivals
+from wayline_eta.stands import Stand
 
 LINE: list[Metres] = [(0, 0), (1000, 0), (3000, 0)]
 
@@ -13,7 +14,8 @@ LINE: list[Metres] = [(0, 0), (1000, 0), (3000, 0)]
 def predicted(
     route: Route, total_m: float, *, std_m: float = 0.0, dwell_left_s: float = 0.0, age_s: int = 0
 ) -> list[StopArrival]:
-    outlook = Outlook(START_NS, total_m, total_m, std_m, dwell_left_s)
+    stand = Stand(dwell_left_s, dwell_left_s, dwell_left_s)
+    outlook = Outlook(START_NS, total_m, total_m, std_m, stand)
     return list(predict_arrivals(route, outlook, START_NS + age_s * SECOND_NS))
 
 

@@ -22,7 +22,7 @@ from wayline.inputs import Tick
 from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress
 from wayline.route import Route
 from wayline.tuning import Tuning
-from wayline_eta.core import EtaCore, make_eta_core
+from wayline_eta.core import EtaCore, eta_node, make_eta_core
 
 TUNING = Tuning()
 
@@ -205,8 +205,8 @@ def test_at_a_terminal_the_route_that_begins_is_preferred_to_the_one_that_ends()
     assert stop_ids(told[-1]) == ["s0"]
 
 
-def test_the_default_core_reads_poses_and_the_reference_fixes() -> None:
-    assert make_eta_core([], TUNING).reads == {Pose}
+def test_the_default_core_reads_poses_and_fixes_and_the_reference_fixes() -> None:
+    assert make_eta_core([], TUNING).reads == {Pose, GpsFix}
     assert make_eta_core([], Tuning(route_filter="avl")).reads == {GpsFix}
 
 
@@ -377,3 +377,20 @@ def test_the_reference_filter_counts_laps_and_predicts_over_the_start() -> None:
         assert progress.lap * route.length_m + progress.distance_m == pytest.approx(true_m, abs=5)
         laps.append(progress.lap)
     assert [lap for lap, _ in itertools.groupby(laps)] == [0, 1, 2]
+
+
+def test_reports_are_followed_while_fusion_is_away() -> None:
+    """A report wakes the core, though the poses made of it would come after it."""
+    line: list[Metres] = [(0, 0), (3000, 0)]
+    node = eta_node([route_of(line, stops_m=[1000.0, 2000.0])], TUNING)
+    told: list[Message] = []
+    for second in range(151):
+        t_ns = START_NS + second * SECOND_NS
+        told += node.advance(t_ns)
+        if second % 30 == 0:
+            lat_deg, lon_deg = TOWN.to_geodetic(6.0 * second, 0.0)
+            fix = GpsFix(t_ns=t_ns, valid=True, lat_deg=lat_deg, lon_deg=lon_deg)
+            told += node.take(fix, "gps-ingest")
+    arrivals = [one for one in told if isinstance(one, Arrivals) and one.t_ns > START_NS + 10**11]
+    assert len(arrivals) > 40
+    assert all(one.stops and not one.stale for one in arrivals)

@@ -5,9 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from unit.eta.route_drives import route_of
 from unit.timetable.faulty_feeds import FAULTS, good_feed, write_folder
+from wayline.route_file import write_route
 from wayline.settings import Settings, VehicleAssignment
 from wayline_eta.__main__ import build
+from wayline_eta.core import EtaCore
 from wayline_eta.timetable_core import TimetableEtaCore
 
 
@@ -27,6 +30,19 @@ def test_feeds_make_cores_of_timetables(tmp_path: Path, capsys: pytest.CaptureFi
     assert "[assignment] nobody: no feed has such a trip or block" in said
 
 
+def test_a_calendar_that_has_ended_is_said_at_the_start_and_in_health(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line that names the feed and its last day."""
+    tables = good_feed()
+    tables["calendar.txt"] = tables["calendar.txt"].replace("20261231", "20260131")
+    folder = write_folder(tables, tmp_path)
+    service = build(Settings(vehicles=("*",), feeds=(str(folder),)), Namespace())
+    expected = f"no service runs any longer by {folder} (last day 2026-01-31): name a newer feed"
+    assert service.notice() == expected
+    assert f"warning: {expected}" in capsys.readouterr().err
+
+
 def test_a_database_that_is_away_stops_no_start(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -38,3 +54,20 @@ def test_a_database_that_is_away_stops_no_start(
     )
     build(settings, Namespace())
     assert "is read anew" in capsys.readouterr().err
+
+
+def test_a_vehicle_that_is_assigned_to_a_route_follows_it_whatever_feeds_there_are(
+    tmp_path: Path,
+) -> None:
+    """The others run the timetable's trips."""
+    route = route_of([(0, 0), (1000, 0)], route_id="pier")
+    write_route(route, tmp_path / "route.geojson")
+    settings = Settings(
+        vehicles=("*",),
+        routes=(str(tmp_path / "route.geojson"),),
+        feeds=(str(write_folder(good_feed(), tmp_path / "feed")),),
+        assignment=(VehicleAssignment(vehicle_id="truck", route_id="pier"),),
+    )
+    service = build(settings, Namespace())
+    assert isinstance(service.make_node("truck", "").core, EtaCore)
+    assert isinstance(service.make_node("bus-1", "").core, TimetableEtaCore)

@@ -174,3 +174,22 @@ def test_position_std_follows_the_axis_of_the_covariance() -> None:
     assert position_std_m(known, 135.0) == pytest.approx(1.0)
     assert position_std_m(known, None) == pytest.approx(5.0)
     assert position_std_m(Pose(t_ns=0, mode="gps"), 45.0) == 5.0
+
+
+CIRCULAR: list[Metres] = [(0, 0), (0, 500), (500, 500), (500, 0), (1, 0)]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_vehicle_that_waits_where_a_circular_trip_begins_is_not_at_its_end(seed: int) -> None:
+    """Ten minutes of noise, of a pose that points the way it came, tell nothing."""
+    tracker = PlaceTracker(route_of(CIRCULAR))
+    for drive_pose, _ in poses(CIRCULAR, [0.0] * 600, noise_m=3.0, seed=seed):
+        pointing = msgspec.structs.replace(drive_pose, heading_deg=270.0, speed_mps=0.1)
+        place = observe(tracker, pointing)
+    assert place.total_m < 30.0
+
+
+def test_a_vehicle_first_seen_just_before_the_end_of_a_loop_is_there() -> None:
+    """Twenty metres before it begins its next lap."""
+    [(pose, _)] = poses(SQUARE, [10.0], start_m=1980.0)
+    assert observe(PlaceTracker(route_of(SQUARE)), pose).total_m == pytest.approx(1980.0, abs=0.5)

@@ -55,3 +55,10 @@ def test_crossing_the_route_does_not_begin_it() -> None:
     crossing = place(5.0, turn_deg=88.0)
     assert not after(crossing, crossing, crossing)
     assert after(NEAR, NEAR, crossing, crossing)
+
+
+def test_a_vehicle_that_stands_may_point_anywhere() -> None:
+    """At a terminus it has come by one street and leaves by another."""
+    aside = place(5.0, turn_deg=90.0)
+    assert after(aside, aside, speed_mps=0.0)
+    assert not after(aside, aside, speed_mps=1.0)

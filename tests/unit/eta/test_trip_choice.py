@@ -2,83 +2,17 @@
 
 import datetime as dt
 from pathlib import Path
-from zoneinfo import ZoneInfo
 
 import pytest
 
-from unit.timetable.faulty_feeds import LAT_DEG, LON_DEG, STEP_DEG, good_feed, write_folder
-from wayline.inputs import Tick
-from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress
+from unit.eta.rides import BERLIN, DAY, Ride, stops, trips, two_lines
+from unit.timetable.faulty_feeds import LAT_DEG, LON_DEG, good_feed, write_folder
+from wayline.messages import Arrivals, Progress
 from wayline.route import make_route
 from wayline.timetable.calendar import SECOND_NS, instant_ns
 from wayline.timetable.reading import read_timetable
 from wayline.timetable.runs import Runs
-from wayline.tuning import Tuning
 from wayline_eta.core import assigned_routes
-from wayline_eta.timetable_core import timetable_node
-
-BERLIN = ZoneInfo("Europe/Berlin")
-DAY = dt.date(2026, 6, 3)
-NORTH_M = 111_194.9
-
-
-def two_lines(folder: Path) -> Runs:
-    """R goes on to the north at S2, Q turns to the east there; both at eight."""
-    tables = good_feed()
-    tables["routes.txt"] += "Q,A,2,3\n"
-    tables["trips.txt"] += "Q,S,V,0,C,\n"
-    tables["stops.txt"] += f"E3,East,{LAT_DEG + 2 * STEP_DEG},{LON_DEG + 0.0134}\n"
-    tables["stop_times.txt"] += "".join(
-        f"V,08:0{2 * at}:00,08:0{2 * at}:00,{stop},{at}\n"
-        for at, stop in enumerate(("S0", "S1", "S2", "E3"))
-    )
-    return Runs([read_timetable(write_folder(tables, folder))])
-
-
-class Ride:
-    """A vehicle that is driven and what is told of it."""
-
-    def __init__(self, runs: Runs, assignment: str | None = None, start: str = "08:00") -> None:
-        hours, minutes = (int(part) for part in start.split(":"))
-        self.t_ns = instant_ns(DAY, 3600.0 * hours + 60.0 * minutes, BERLIN)
-        self._node = timetable_node(runs, Tuning(), assignment)
-        self._travelled_m = 0.0
-
-    def at(self, north_m: float, east_m: float = 0.0, heading_deg: float = 0.0) -> list[Message]:
-        """One second further, at a place in metres from S0."""
-        pose = Pose(
-            t_ns=self.t_ns,
-            mode="gps",
-            lat_deg=LAT_DEG + north_m / NORTH_M,
-            lon_deg=LON_DEG + east_m / 74_250.0,
-            heading_deg=heading_deg,
-            speed_mps=8.34,
-            distance_m=self._travelled_m,
-            east_std_m=3.0,
-            north_std_m=3.0,
-        )
-        self.report()
-        told = list(self._node.take(pose, "fusion"))
-        self.t_ns += SECOND_NS
-        self._travelled_m += 8.34
-        return told
-
-    def report(self, assignment: str | None = None) -> None:
-        """A fix, with what it names."""
-        fix = GpsFix(t_ns=self.t_ns, valid=True, lat_deg=1.0, lon_deg=1.0, assignment=assignment)
-        assert not list(self._node.take(fix, "gps-ingest"))
-
-    def tick(self) -> list[Message]:
-        return list(self._node.give(Tick(self.t_ns), "eta"))
-
-
-def trips(told: list[Message]) -> list[str | None]:
-    return [each.trip_id for each in told if isinstance(each, Progress)]
-
-
-def stops(told: list[Message]) -> list[str]:
-    [arrivals] = [each for each in told if isinstance(each, Arrivals)]
-    return [stop.stop_id for stop in arrivals.stops]
 
 
 def test_lines_on_one_street_are_told_apart_behind_the_fork(tmp_path: Path) -> None:
@@ -107,7 +41,7 @@ def test_an_assignment_tells_the_line_at_once(tmp_path: Path) -> None:
 
 def test_a_report_s_block_is_believed(tmp_path: Path) -> None:
     ride = Ride(two_lines(tmp_path))
-    ride.report("B")
+    ride.report(assignment="B")
     assert trips(ride.at(0.0)) == ["T"]
 
 
@@ -184,3 +118,26 @@ def test_a_route_that_is_assigned_is_the_only_one_followed() -> None:
     ]
     assert [route.route_id for route in assigned_routes(lines, "B")] == ["B"]
     assert len(assigned_routes(lines, "C")) == len(assigned_routes(lines, None)) == 2
+
+
+def test_an_assignment_holds_on_the_next_day(tmp_path: Path) -> None:
+    """A service goes on for weeks: tomorrow the block's trips are tomorrow's."""
+    ride = Ride(Runs([read_timetable(write_folder(good_feed(), tmp_path))]), "T")
+    for second in range(490):
+        ride.at(min(8.34 * second, 4_003.0))
+    ride.t_ns = instant_ns(DAY + dt.timedelta(days=1), 8 * 3600.0 + 60.0, BERLIN)
+    for second in range(60):
+        told = ride.at(8.34 * second)
+    [progress] = [each for each in told if isinstance(each, Progress)]
+    assert progress.trip_id == "T"
+    assert progress.delay_s == pytest.approx(60.0, abs=5.0)
+
+
+def test_an_unknown_block_does_not_hold_a_vehicle_to_what_was_found(tmp_path: Path) -> None:
+    """It names a block that nobody knows, is found on T, and goes on by Q's line instead."""
+    ride = Ride(two_lines(tmp_path), "nobody")
+    for second in range(250):
+        ride.at(8.34 * second)
+    for second in range(125):
+        told = ride.at(2_001.5, 8.34 * second, heading_deg=90.0)
+    assert trips(told) == ["V"]

@@ -39,11 +39,19 @@ def test_columns_and_cells_may_be_missing(tmp_path: Path) -> None:
     assert truth.distances_m[-1] == pytest.approx(222.7, abs=0.1)
 
 
+def test_columns_of_words_are_passed_over(tmp_path: Path) -> None:
+    """Such as the trip of a timetable, in any place."""
+    rows = "0,A0,56.0,10,5\n1,A0,56.001,10,\n"
+    truth = read_truth(written(tmp_path, "t_s,trip_id,lat_deg,lon_deg,distance_m\n" + rows))
+    assert truth.lats_deg == pytest.approx([56.0, 56.001])
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         ("t_s,lat_deg\n0,1\n1,1\n", "no column lon_deg"),
         ("t_s,lat_deg,lon_deg\n0,1,x\n1,1,1\n", "write numbers"),
+        ("t_s,lat_deg,lon_deg\n0,1,1\n1,1\n", "write numbers"),
         ("t_s,lat_deg,lon_deg\n1,1,1\n1,1,1\n", "does not increase"),
         ("t_s,lat_deg,lon_deg\n1,1,1\n", "too few rows"),
     ],

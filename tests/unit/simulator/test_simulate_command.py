@@ -56,3 +56,33 @@ def test_on_a_terminal_it_asks(full: Path, answer: str, status: int) -> None:
         os.close(ours)
         os.close(theirs)
     assert ((full / "drive.toml").read_text() == "mine") is (status == 2)
+
+
+def network(out: Path, *options: str) -> tuple[int, str]:
+    """Status of `wayline simulate network` and what it said on either stream."""
+    command = [sys.executable, "-m", "wayline_cli", "simulate", "network", "--out", str(out)]
+    done = subprocess.run(
+        [*command, *options], capture_output=True, text=True, timeout=WAIT_S, check=False
+    )
+    return done.returncode, done.stdout + done.stderr
+
+
+def test_a_network_is_a_feed_and_a_drive_for_each_bus_and_day(tmp_path: Path) -> None:
+    out = tmp_path / "network"
+    status, said = network(out, "--vehicles", "1", "--days", "2", "--hours", "0.5", "--assigned")
+    assert status == 0
+    assert {each.name for each in out.iterdir()} == {"feed", "bus-1-day-1", "bus-1-day-2"}
+    assert said.startswith(f"{out}/bus-1-day-1: 1 trips, ")
+    assert 'assignment = "block"' in (out / "bus-1-day-1" / "drive.toml").read_text()
+
+
+def test_a_network_that_cannot_be_is_one_line(tmp_path: Path) -> None:
+    status, said = network(tmp_path / "network", "--vehicles", "0")
+    expected = "vehicles: Expected `int` >= 1; correct that value"
+    assert (status, said) == (2, f"wayline: wayline simulate network: {expected}\n")
+
+
+def test_a_network_leaves_a_folder_with_files_alone(full: Path) -> None:
+    status, said = network(full)
+    assert status == 2
+    assert "has files already" in said

@@ -1,5 +1,6 @@
 """How a service says that it does: alive while its loop turns, ready while it lacks nothing."""
 
+import dataclasses
 import time
 
 import pytest
@@ -57,3 +58,12 @@ def test_the_log_names_whose_messages_were_dropped_once(
     assert [record.getMessage() for record in caplog.records] == [
         "3 messages dropped so far, just now 3 of mallory"
     ]
+
+
+def test_health_says_what_a_service_has_to_say(session: zenoh.Session) -> None:
+    """Such as a timetable that has ended; while there is nothing, no detail."""
+    told: list[str | None] = [None, "no service runs any longer"]
+    service = dataclasses.replace(echo(), notice=lambda: told.pop(0))
+    one = Condition(service, ONE, session, Inbox(), Telemetry("echo", NOW_NS))
+    assert one.look(1.0).detail is None
+    assert one.look(2.0).detail == "no service runs any longer"

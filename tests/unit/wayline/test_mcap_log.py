@@ -32,6 +32,7 @@ from wayline.messages import (
     Progress,
     Satellite,
     StopArrival,
+    StopEvent,
     Torque,
     Verdict,
 )
@@ -56,6 +57,9 @@ EVERY: tuple[Message, ...] = (
         t_ns=at(0.9), route_id="7", stale=False,
         stops=(StopArrival(stop_id="a", name="Å", distance_m=1.0, arrival_ns=at(9),
                            early_ns=at(8), late_ns=at(10)),),
+    ),
+    StopEvent(
+        t_ns=at(0.9), route_id="7", stop_id="a", stop_sequence=3, kind="skipped", distance_m=1.0,
     ),
     Horizon(t_ns=at(1.0), points=(HorizonPoint(distance_m=20.0, grade_pct=-3.0, runs=2),)),
     Health(t_ns=at(1.1), service="fusion", version="0", started_ns=START_NS),

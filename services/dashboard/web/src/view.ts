@@ -56,6 +56,7 @@ export interface Progress {
   lap: number;
   cross_track_m: number;
   on_route: boolean;
+  delay_s: number | null;
 }
 
 export interface Stop {
@@ -65,11 +66,16 @@ export interface Stop {
   arrival: string;
   early: string;
   late: string;
+  scheduled: string | null;
+  delay_s: number | null;
+  trip_id: string | null;
 }
 
 export interface Arrivals {
   t: string;
   route_id: string;
+  trip_id: string | null;
+  headsign: string | null;
   stale: boolean;
   stops: Stop[];
 }

@@ -33,6 +33,20 @@ export function countdown(seconds: number): string {
   return minutes < 60 ? `in ${minutes} min` : `in ${hoursAndMinutes(minutes)}`;
 }
 
+/** "on time", "4 min late", "2 min early": by the timetable. */
+export function lateness(seconds: number): string {
+  const minutes = Math.round(Math.abs(seconds) / 60);
+  if (minutes < 1) {
+    return "on time";
+  }
+  return `${minutes < 60 ? `${minutes} min` : hoursAndMinutes(minutes)} ${seconds > 0 ? "late" : "early"}`;
+}
+
+/** "12:05" by the reader's clock. */
+export function clockTime(ms: number): string {
+  return MINUTES.format(ms);
+}
+
 /** "less than 1 s", "12 s", "5 min", "2 h 5 min", "3 d". */
 export function duration(seconds: number): string {
   if (seconds < 1) {

@@ -6,6 +6,7 @@ import {
   countdown,
   duration,
   heading,
+  lateness,
   length,
   signed,
   speedKmh,
@@ -23,6 +24,16 @@ describe("countdown", () => {
     [3600, "in 1 h"],
     [3900, "in 1 h 5 min"],
   ])("%d s is %s", (seconds, text) => expect(countdown(seconds)).toBe(text));
+});
+
+describe("lateness", () => {
+  test.each([
+    [12, "on time"],
+    [-29, "on time"],
+    [95, "2 min late"],
+    [-130, "2 min early"],
+    [3900, "1 h 5 min late"],
+  ])("%d s is %s", (seconds, text) => expect(lateness(seconds)).toBe(text));
 });
 
 describe("duration", () => {

@@ -7,7 +7,7 @@ import { vehicleNowMs } from "../clock";
 import type { Now } from "../clock";
 import type { Vehicle } from "../fleet";
 import type { Stop } from "../view";
-import { clockRange, countdown, length } from "../words";
+import { clockRange, clockTime, countdown, lateness, length } from "../words";
 import { routeNote } from "./positioning";
 
 /** They come every second; the eta service says itself when the position is old, if it can. */
@@ -40,10 +40,25 @@ function content(vehicle: Vehicle, now: Now): TemplateResult {
   const vehicleNow = vehicleNowMs(vehicle, now);
   const isOld = arrivals.stale || vehicleNow - Date.parse(arrivals.t) > OLD_MS;
   return html`
-    ${isOld ? html`<p class="warning">Predicted from an old position.</p>` : null}
+    ${trip(vehicle)} ${isOld ? html`<p class="warning">Predicted from an old position.</p>` : null}
     <ol class=${isOld ? "stops stale" : "stops"}>
       ${arrivals.stops.map((stop) => stopRow(stop, vehicleNow))}
     </ol>
+  `;
+}
+
+/** Where the trip goes, and how it keeps its time; nothing of a route without a timetable. */
+function trip({ arrivals, progress }: Vehicle): TemplateResult | null {
+  if (arrivals === undefined || arrivals.trip_id === null) {
+    return null;
+  }
+  const delay = progress?.delay_s ?? null;
+  return html`
+    <p class="trip">
+      <strong>${arrivals.headsign ?? arrivals.route_id}</strong>
+      <span class="trip-id">trip ${arrivals.trip_id}</span>
+      ${delay === null ? null : html`<span class="lateness">${lateness(delay)}</span>`}
+    </p>
   `;
 }
 
@@ -61,6 +76,18 @@ function stopRow(stop: Stop, vehicleNow: number): TemplateResult {
       <span class="range" title="The vehicle arrives between these with a probability of 80 %">
         ${clockRange(early, late)}
       </span>
+      ${timetable(stop)}
     </li>
+  `;
+}
+
+function timetable(stop: Stop): TemplateResult | null {
+  if (stop.scheduled === null || stop.delay_s === null) {
+    return null;
+  }
+  return html`
+    <span class="scheduled">
+      ${clockTime(Date.parse(stop.scheduled))} by timetable, ${lateness(stop.delay_s)}
+    </span>
   `;
 }

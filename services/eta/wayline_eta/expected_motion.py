@@ -1,0 +1,183 @@
+"""Pure: how vehicles that nobody sees go on along a route: by its plan, at their own pace.
+
+They drive at the planned speeds times their pace and stand at every stop for its dwell. Plans
+without dwells (most timetables) have them in their running times, from where they are taken.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wayline.route import Route
+from wayline_eta.stop_visits import BOARDING_S
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+UNTOLD_DWELL_S = 20.0
+UNTOLD_SHARE = 1.0 / 3.0
+"""A stop without a planned dwell takes so much of the running time to it, the lesser of the two."""
+ENDS_WITHIN_M = 50.0
+"""A line that goes on no farther behind its last stop ends there."""
+MINUTE_S = 60.0
+SMOOTH_S = 300.0
+"""Running times in whole minutes say little of one leg: so much of the plan around it counts."""
+
+
+class ExpectedMotion:
+    """Of one route; arrays of distances go on growing over a loop's laps.
+
+    `stops_m` (shape (stops,), rising) are the places of its stops, `dwells_s` how long a vehicle
+    is expected to stand there, `leaves_ns` when it leaves there at the earliest.
+    """
+
+    def __init__(self, route: Route, leaves_ns: Floats | None = None) -> None:
+        self._route = route
+        if leaves_ns is None:
+            leaves_ns = np.full(len(route.stops), -np.inf)
+        self.stop_leaves_ns = leaves_ns
+        """Of every stop of the route, in its order."""
+        self.stops_m, self._planned_s, self.leaves_ns = _once(route, leaves_ns)
+
+    @property
+    def start_m(self) -> float:
+        """Where the first stop of an open route is; before everything where there is none."""
+        return -np.inf if self._route.loop or not len(self.stops_m) else float(self.stops_m[0])
+
+    @property
+    def end_m(self) -> float:
+        """Where the last stop of an open route is that ends there; else beyond everything."""
+        if self._route.loop or not len(self.stops_m):
+            return np.inf
+        last_m = float(self.stops_m[-1])
+        return last_m if last_m >= self._route.length_m - ENDS_WITHIN_M else np.inf
+
+    def driven_s(self, totals_m: Floats) -> Floats:
+        """Seconds of driving from the start to distances, at the planned speeds, without dwells."""
+        if not self._route.loop:
+            return np.interp(totals_m, self._marks_m, self._times_s)
+        laps, withins_m = np.divmod(totals_m, self._route.length_m)
+        within_s = np.interp(withins_m, self._marks_m, self._times_s)
+        return np.asarray(laps * self._times_s[-1] + within_s)
+
+    def distance_at(self, driven_s: Floats) -> Floats:
+        """The inverse of `driven_s`; an open route ends at its end."""
+        if not self._route.loop:
+            return np.interp(driven_s, self._times_s, self._marks_m)
+        laps, withins_s = np.divmod(driven_s, self._times_s[-1])
+        within_m = np.interp(withins_s, self._times_s, self._marks_m)
+        return np.asarray(laps * self._route.length_m + within_m)
+
+    def next_stops(self, totals_m: Floats) -> tuple[Floats, Indices]:
+        """Where the first stops beyond distances are, and which; at infinity where none is."""
+        stops, loop = len(self.stops_m), self._route.loop
+        if not stops:
+            return np.full(len(totals_m), np.inf), np.zeros(len(totals_m), dtype=np.intp)
+        if not loop:
+            which = np.searchsorted(self.stops_m, totals_m + 0.01, side="right")
+            places_m = np.append(self.stops_m, np.inf)[which]
+            return places_m, np.minimum(which, stops - 1)
+        laps, withins_m = np.divmod(totals_m + 0.01, self._route.length_m)
+        which = np.searchsorted(self.stops_m, withins_m, side="right")
+        laps = laps + (which == stops)
+        which = which % stops
+        return self.stops_m[which] + laps * self._route.length_m, which
+
+    def stop_near(self, total_m: float, before_m: float, past_m: float) -> tuple[float, int] | None:
+        """The stop that is at most `before_m` ahead or `past_m` behind; None where none is."""
+        places_m, which = self.next_stops(np.array([total_m - past_m]))
+        if not places_m[0] <= total_m + before_m:
+            return None
+        return float(places_m[0]), int(which[0])
+
+    def untold_s(self, stop_m: float, from_m: float) -> float:
+        """How much of the planned time from a place to the next stop is not driven."""
+        planned_s = self._route.time_at(np.array([from_m, stop_m]))
+        driven_s = self.driven_s(np.array([from_m, stop_m]))
+        return max(float(np.diff(planned_s)[0] - np.diff(driven_s)[0]), 0.0)
+
+    def speed_mps(self, total_m: float) -> float:
+        """Planned speed under way, at a distance."""
+        within_m = total_m % self._route.length_m if self._route.loop else total_m
+        section = int(np.searchsorted(self._marks_m, within_m, side="right")) - 1
+        return float(self._speeds_mps[min(max(section, 0), len(self._speeds_mps) - 1)])
+
+    @cached_property
+    def dwells_s(self) -> Floats:
+        """Shape (stops,). Where a vehicle waits for its time the plan's dwell is mostly that."""
+        dwells_s = np.where(self._is_untold, self._untold_s, self._planned_s)
+        waits = np.isfinite(self.leaves_ns)
+        return np.where(waits, np.minimum(dwells_s, BOARDING_S), dwells_s)
+
+    @property
+    def is_untold(self) -> bool:
+        """Whether dwells are not in the plan, so that they are guessed."""
+        return bool(np.any(self._is_untold))
+
+    @cached_property
+    def _times_s(self) -> Floats:
+        sections_s = np.diff(self._marks_m) / self._speeds_mps
+        return np.concatenate(([0.0], np.cumsum(sections_s)))
+
+    @cached_property
+    def _marks_m(self) -> Floats:
+        """Where the planned speed may change: at the vertices of the line and at stops."""
+        line = self._route.line
+        within_m = np.clip(self.stops_m, 0.0, line.length_m)
+        return np.unique(np.concatenate((line.distances_m, within_m)))
+
+    @cached_property
+    def _is_untold(self) -> NDArray[np.bool_]:
+        """Stops whose dwell is part of the running time to them: most have none of their own."""
+        inner = self._planned_s[1:-1] if len(self._planned_s) > 2 else self._planned_s
+        if np.count_nonzero(inner > 0.0) * 2 > len(inner):
+            return np.zeros(len(self._planned_s), dtype=np.bool_)
+        return np.asarray(self._planned_s <= 0.0)
+
+    @cached_property
+    def _legs_s(self) -> Floats:
+        """Planned running time to every stop from the one before, shape (stops,)."""
+        return np.diff(self._route.time_at(self.stops_m), prepend=0.0)
+
+    @cached_property
+    def _untold_s(self) -> Floats:
+        return np.minimum(UNTOLD_DWELL_S, UNTOLD_SHARE * self._smoothed_s)
+
+    @cached_property
+    def _smoothed_s(self) -> Floats:
+        """Running times to the stops; of plans in whole minutes those of the stops around."""
+        legs_s = self._legs_s
+        times_s = np.cumsum(legs_s + self._planned_s)
+        odd_s = np.abs((times_s + MINUTE_S / 2.0) % MINUTE_S - MINUTE_S / 2.0)
+        if len(legs_s) < 3 or np.any(odd_s > 1.0):
+            return legs_s
+        lengths_m = np.diff(self.stops_m, prepend=0.0)
+        middles_s = times_s - legs_s / 2.0
+        near = np.abs(middles_s[:, None] - middles_s[None, :]) <= SMOOTH_S
+        per_m = (near @ legs_s) / np.maximum(near @ lengths_m, 1.0)
+        return np.asarray(per_m * lengths_m)
+
+    @cached_property
+    def _speeds_mps(self) -> Floats:
+        """Planned speed between marks, without the dwells that running times hold."""
+        line = self._route.line
+        middles_m = (self._marks_m[:-1] + self._marks_m[1:]) / 2.0
+        legs = np.searchsorted(line.distances_m, middles_m) - 1
+        speeds_mps = self._route.speeds_mps[legs]
+        if not len(self.stops_m):
+            return np.asarray(speeds_mps)
+        driving_s = self._smoothed_s - np.where(self._is_untold, self._untold_s, 0.0)
+        factors = np.where(driving_s > 0.0, self._legs_s / np.maximum(driving_s, 1e-9), 1.0)
+        section = np.minimum(np.searchsorted(self.stops_m, middles_m), len(factors) - 1)
+        return np.asarray(speeds_mps * factors[section])
+
+
+def _once(route: Route, leaves_ns: Floats) -> tuple[Floats, Floats, Floats]:
+    """Places of the stops, rising, each once, with its longest dwell and its last departure."""
+    places_m = np.round(route.stop_distances_m, 2)
+    once_m, first = np.unique(places_m, return_inverse=True)
+    dwells_s, latest_ns = np.zeros(len(once_m)), np.full(len(once_m), -np.inf)
+    np.maximum.at(dwells_s, first, route.stop_dwells_s)
+    np.maximum.at(latest_ns, first, leaves_ns)
+    return once_m, dwells_s, latest_ns

@@ -1,0 +1,54 @@
+"""Pure: trips that were found, as a table."""
+
+from rich.table import Table
+
+from wayline_evaluation.trips import TripReport
+
+COLUMNS = (
+    "every\ns",
+    "on a trip\ns",
+    "told\n%",
+    "right\n%",
+    "alone\n%",
+    "driven\n%",
+    "later\n%",
+    "wrong way\nfixes",
+    "idle\n%",
+)
+
+
+def trip_table(report: TripReport) -> Table:
+    """One row a drive, and one for all."""
+    table = Table(
+        title="the trip that was told, against the one that was run",
+        title_justify="left",
+        header_style="bold",
+        box=None,
+        pad_edge=False,
+    )
+    table.add_column("drive")
+    for name in COLUMNS:
+        table.add_column(name, justify="right", no_wrap=True)
+    for score in (*report.scores, report.pooled):
+        table.add_row(
+            score.drive,
+            f"{score.every_s:.0f}",
+            f"{score.seconds:,}",
+            *map(
+                _percent,
+                (
+                    score.told_share,
+                    score.right_share,
+                    score.alone_share,
+                    score.alone_driven_share,
+                    score.later_share,
+                ),
+            ),
+            str(score.wrong_way_reports),
+            _percent(score.idle_share),
+        )
+    return table
+
+
+def _percent(share: float | None) -> str:
+    return "" if share is None else f"{100.0 * share:.1f}"
