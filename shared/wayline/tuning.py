@@ -148,8 +148,8 @@ class Tuning(Strict, frozen=True, kw_only=True):
     the vehicle itself reports."""
     slope_initial_std_pct: Positive = 4.0
     """Roads are rarely steeper than 8 %."""
-    curvature_std_pct_per_m: Positive = 0.037
-    """Of vertical curves: 2 % of slope in 50 m."""
+    curvature_std_pct_per_m: Positive = 0.016
+    """Of roads: 1 % of slope in 60 m, between straight slopes and short vertical curves."""
     curvature_length_m: Positive = 60.0
     """Over which a vertical curve goes on."""
     baro_bias_initial_std_m: Positive = 150.0
@@ -167,12 +167,13 @@ class Tuning(Strict, frozen=True, kw_only=True):
     gps_altitude_error_share: Probability = 0.9
     """Share of an altitude's variance that varies slowly; the rest is white."""
 
-    torque_std_pct: Positive = 0.35
-    """Of a slope by a second of torque, white: whole percents of torque, gusts, the driveline."""
+    torque_std_pct: Positive = 0.15
+    """Of a slope by a second of torque, white, before it is learned: whole percents of torque, the
+    driveline. What acceleration takes is measured by the wheels, whose noise is learned apart."""
     torque_bias_std_pct: Positive = 0.3
     """Of a slope by torque, slowly varying: wind, rolling, fan and generator."""
-    torque_bias_walk_pct_per_sqrt_s: Positive = 0.0063
-    """0.05 % in a minute: other directions to the wind."""
+    torque_bias_time_s: Positive = 100.0
+    """Correlation time of that: fans come and go in a minute, the road turns into the wind."""
     torque_relock_after_s: Positive = 20.0
     """Torques rejected this long: the mass is another one."""
     mass_std_share: Positive = 0.1

@@ -7,7 +7,7 @@ import msgspec
 
 from wayline.core import Record, Sleep
 from wayline.drive import Vehicle
-from wayline.geo import wrap_360
+from wayline.geo import step_between, wrap_360
 from wayline.gps_quality import altitude_std_m, has_altitude
 from wayline.inputs import Flush, Tick
 from wayline.messages import Barometer, GpsFix, Horizon, Message, Odometer, Pose, Torque
@@ -28,6 +28,9 @@ PARKED_WITHIN_M = 30.0
 """The travelled distance of a vehicle that stands creeps by noise."""
 FRESH_NS = 2 * SECOND_NS
 """An older pose says where the vehicle was, not where it is."""
+LEAP_M, LEAP_STDS = 30.0, 3.0
+"""A position that is farther from the last than was travelled by more, and by more of its stds, was
+not driven to: a ferry, or a receiver that lied."""
 LOST_AFTER_M = 150.0
 """Travelled without a place on its road, the vehicle may have left it."""
 
@@ -86,7 +89,7 @@ class SlopeMapCore:
         finished = self._finish() if ended else []
         self._pose = pose
         place = self._place(pose)
-        if place is not None and self._is_new_lap(place):
+        if place is not None and (self._is_new_lap(place) or self._has_leapt(place)):
             finished = self._finish()
         self._track.travel(pose.t_ns, pose.distance_m)
         if place is not None:
@@ -128,7 +131,9 @@ class SlopeMapCore:
         course_deg = wrap_360(pose.heading_deg + 180.0) if reverse else pose.heading_deg
         near = self._roads.near(pose.lat_deg, pose.lon_deg, course_deg)
         match = chosen(near, last.match if last else None, moved_m, self._roads.route_id)
-        return Place(pose.t_ns, pose.distance_m, pose.lat_deg, pose.lon_deg, course_deg, match)
+        return Place(
+            pose.t_ns, pose.distance_m, pose.lat_deg, pose.lon_deg, course_deg, match, std_m
+        )
 
     def _last_place(self) -> Place | None:
         return self._track.places[-1] if self._track.places else None
@@ -143,6 +148,15 @@ class SlopeMapCore:
         length_m = self._roads.profile(place.match.road_id).road.line.length_m
         back_m = (last.match.along_m - place.match.along_m) * place.match.direction
         return back_m > 0.5 * length_m
+
+    def _has_leapt(self, place: Place) -> bool:
+        """Farther away than the wheels have turned: no road was driven in between."""
+        last = self._last_place()
+        if last is None:
+            return False
+        apart = step_between(last.lat_deg, last.lon_deg, place.lat_deg, place.lon_deg)
+        allowed_m = max(LEAP_M, LEAP_STDS * max(last.std_m, place.std_m))
+        return apart.distance_m - (place.travelled_m - last.travelled_m) > allowed_m
 
     def _take_fix(self, fix: GpsFix, source: str) -> None:
         if fix.alt_m is not None and has_altitude(fix):

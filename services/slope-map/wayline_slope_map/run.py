@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 
-import msgspec
 import numpy as np
 
 from wayline.line import Floats
@@ -15,7 +14,6 @@ from wayline_slope_map.slopes import NO_SLOPES, run_slopes
 from wayline_slope_map.smoothing import Sensed, Smoothed, smooth
 from wayline_slope_map.stretches import cut
 from wayline_slope_map.track import Track
-from wayline_slope_map.unrest import curvature_std_pct_per_m
 
 NONE = np.empty(0)
 NOTHING = Measured(NONE, NONE, NONE, NONE, np.empty(0, dtype=np.intp))
@@ -67,8 +65,6 @@ def _smoothed_by_sensor(
     barometer = barometer_altitudes(track, tuning) if "barometer" in used else NOTHING
     times_s = track.seconds_at(travelled_m)
     slopes = run_slopes(track, tuning)
-    curvature = curvature_std_pct_per_m(slopes["torque"], tuning)
-    tuning = msgspec.structs.replace(tuning, curvature_std_pct_per_m=curvature)
     choices: dict[Sensor, Sensed] = {
         "fused": Sensed(gps, barometer, slopes["both"]),
         "gps": Sensed(gps, NOTHING, NO_SLOPES),

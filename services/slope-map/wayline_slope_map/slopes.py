@@ -8,6 +8,7 @@ import numpy as np
 
 from wayline.line import Floats
 from wayline.tuning import Tuning
+from wayline.vertical.propulsion import Push
 from wayline_slope_map.track import Track
 
 BESIDE_NS = 5_000_000_000
@@ -21,7 +22,7 @@ class Window(NamedTuple):
     level: float
     speed_std_mps: float
     goes_on: bool
-    share_before: float
+    is_braked: bool
 
 
 class Slopes(NamedTuple):
@@ -64,10 +65,20 @@ def _torque_rows(track: Track, tuning: Tuning) -> list[_Row]:
             push.middle_ns,
             push.share,
             math.hypot(white / math.sqrt(push.length_s), push.sampling_std),
-            Window(push.length_s, push.level, push.speed_std_mps, push.goes_on, push.share_before),
+            _window(push),
         )
         for push in track.pushes
     ]
+
+
+def _window(push: Push) -> Window:
+    return Window(
+        push.length_s,
+        push.level,
+        push.speed_std_mps,
+        push.goes_on,
+        push.is_braked,
+    )
 
 
 def _vehicle_rows(track: Track, tuning: Tuning) -> list[_Row]:

@@ -26,13 +26,17 @@ from wayline.vertical.trust import (
     AltitudeTrust,
     is_believable_mass,
 )
+from wayline_slope_map import bends
 from wayline_slope_map.altitudes import Measured
+from wayline_slope_map.bends import Learned
 from wayline_slope_map.slopes import Slopes, Window
 
 S = VerticalStates
 FIRST_ALTITUDE_STD_M = 100.0
 """Of the median of the first altitudes."""
 FIRST_ALTITUDES = 15
+PASSES = 3
+"""A fourth changes grades by hundredths of a percent."""
 BAROMETER, ASKED, FIRST_SLOPE = -1, -2, -3
 """In place of a receiver's number; -3 is the first of the slopes, -4 the next."""
 
@@ -71,15 +75,21 @@ class _Nodes(NamedTuple):
 def smooth(sensed: Sensed, times_s: Floats, travelled_m: Floats, tuning: Tuning) -> Smoothed | None:
     """Smoothed values where asked for, shape (n,); None with fewer than two measurements.
 
-    The k-th value is asked for at `travelled_m[k]`, reached at `times_s[k]`, in any order.
+    The k-th value is asked for at `travelled_m[k]`, reached at `times_s[k]`, in any order. What a
+    pass tells of the road's bends and of torque's bias is what the next one starts from.
     """
     if sum(len(measured.times_s) for measured in sensed) < 2:
         return None
     if not len(sensed.gps.alt_m) and not len(sensed.barometer.alt_m):
         tuning = msgspec.structs.replace(tuning, vertical_sensors=("torque", "vehicle"))
     nodes = _nodes(sensed, times_s, travelled_m)
-    forward = _ForwardPass(sensed, tuning)
-    x, P = forward.smoothed(nodes)
+    is_learned = len(sensed.slopes.share) >= bends.FEWEST_SLOPES
+    is_told = is_learned and len(sensed.barometer.alt_m) > 0
+    start = bends.first(len(nodes.times_s), tuning, is_told=is_told)
+    x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)
+    for _ in range(PASSES - 1 if is_learned else 0):
+        start = bends.learned(nodes.travelled_m, x, P, tuning)
+        x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)
     at = nodes.asked >= 0
     order = np.argsort(nodes.asked[at])
     x, P = x[at][order], P[at][order]
@@ -116,13 +126,15 @@ def _nodes(sensed: Sensed, times_s: Floats, travelled_m: Floats) -> _Nodes:
 class _ForwardPass:
     """Filters a run forward, and keeps what the backward pass needs of each node."""
 
-    def __init__(self, sensed: Sensed, tuning: Tuning) -> None:
+    def __init__(self, sensed: Sensed, tuning: Tuning, start: Learned) -> None:
+        tuning = msgspec.structs.replace(tuning, torque_bias_std_pct=start.torque_bias_std_pct)
         gps, barometer = sensed.gps, sensed.barometer
         receivers = int(gps.receiver.max()) + 1 if len(gps.receiver) else 1
         self._tuning, self._windows = tuning, sensed.slopes.windows
         self._kalman = kalman = VerticalFilter(tuning, receivers)
         kalman.x[: S.CURVATURE] = _first_state(gps, barometer)
         kalman.P[S.ALTITUDE, S.ALTITUDE] = FIRST_ALTITUDE_STD_M**2
+        self._curvature_std = start.curvature_std
         self._trust = [AltitudeTrust() for _ in range(receivers)]
         self._noise, self._slope_noise = NoiseScale(), NoiseScale()
         # without a barometer nothing but the road's own unrest tells noise from a hill
@@ -136,6 +148,7 @@ class _ForwardPass:
         x = np.empty((count, size))
         P, F, Q = (np.empty((count, size, size)) for _ in range(3))
         for k in range(count):
+            kalman.model.bend(self._curvature_std[k])
             moved = kalman.advance(steps_m[k], steps_s[k])
             F[k], Q[k] = self._take(nodes, k, moved)
             x[k], P[k] = kalman.x, kalman.P
@@ -165,9 +178,13 @@ class _ForwardPass:
             moved = _after(
                 moved, kalman.project_window(window.speed_std_mps, goes_on=window.goes_on)
             )
-            pushed = Pushed(window.length_s, share, window.level, window.share_before)
+            pushed = Pushed(window.length_s, share, window.level)
             measurement = kalman.model.torque(kalman.x, pushed, noisy)
         if not is_believable_mass(kalman.mass):
+            return moved
+        if window is not None and window.is_braked:
+            if float(measurement.y[0]) > 0.0 and self._is_likely(measurement):
+                kalman.correct(measurement)
             return moved
         expected = kalman.expected(measurement)
         square = float(measurement.y[0]) ** 2

@@ -24,6 +24,8 @@ class Place(NamedTuple):
     course_deg: float
     """Direction of travel."""
     match: Match | None
+    std_m: float = 0.0
+    """One sigma of the worse axis."""
 
 
 class Altitude(NamedTuple):

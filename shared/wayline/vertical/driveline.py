@@ -17,22 +17,28 @@ class Driveline:
         self._gear: int | None = None
         self._ratio: float | None = None
         self._disturbed_ns: int | None = None
+        self._braked_ns: int | None = None
 
-    def watch(self, torque: Torque) -> bool:
-        """Take a message; whether engine and wheels are joined, with nothing else at the wheels."""
+    def watch(self, torque: Torque) -> None:
+        """Take a message."""
         self.tells_brake |= torque.brake is not None
         shifted = self._has_shifted(torque)
-        if torque.brake or torque.clutch or shifted or (self._gear is not None and self._gear < 1):
+        if torque.clutch or shifted or (self._gear is not None and self._gear < 1):
             self.disturb(torque.t_ns)
-        return self.is_settled(torque.t_ns)
+        if torque.brake:
+            self._braked_ns = max(torque.t_ns, self._braked_ns or torque.t_ns)
 
     def disturb(self, t_ns: int) -> None:
-        """Something at the wheels was not the engine's alone at an instant."""
+        """Engine and wheels were not joined at an instant."""
         self._disturbed_ns = max(t_ns, self._disturbed_ns or t_ns)
 
+    def is_joined(self, t_ns: int) -> bool:
+        """Whether engine and wheels have been joined for long enough before an instant."""
+        return _is_over(self._disturbed_ns, t_ns)
+
     def is_settled(self, t_ns: int) -> bool:
-        """Whether nothing has disturbed for long enough before an instant."""
-        return self._disturbed_ns is None or t_ns - self._disturbed_ns > UNSETTLED_NS
+        """Whether they have been joined for long enough, and nothing else was at the wheels."""
+        return self.is_joined(t_ns) and _is_over(self._braked_ns, t_ns)
 
     def _has_shifted(self, torque: Torque) -> bool:
         gear, ratio = self._gear, self._ratio
@@ -46,3 +52,7 @@ class Driveline:
             and self._ratio is not None
             and abs(self._ratio - ratio) > SAME_RATIO * abs(ratio)
         )
+
+
+def _is_over(disturbed_ns: int | None, t_ns: int) -> bool:
+    return disturbed_ns is None or t_ns - disturbed_ns > UNSETTLED_NS

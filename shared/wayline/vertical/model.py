@@ -37,7 +37,6 @@ class Pushed(NamedTuple):
     length_s: float
     share: float
     level: float
-    share_before: float
     behind_m: float = 0.0
     """How far behind the state the window's middle lies."""
 
@@ -63,12 +62,16 @@ class VerticalModel:
         self._slope_std = tuning.slope_initial_std_pct / 100.0
         self._bias_std_m = tuning.baro_bias_initial_std_m
         self._torque_bias_std = tuning.torque_bias_std_pct / 100.0
-        self._torque_bias_walk = (tuning.torque_bias_walk_pct_per_sqrt_s / 100.0) ** 2
+        self._torque_bias_time_s = tuning.torque_bias_time_s
         # without an altimeter a mass cannot be told from a slope
         has_altimeter = {"gps", "barometer"} & set(tuning.vertical_sensors)
         self._mass_std = tuning.mass_std_share if has_altimeter else MASS_ALONE_STD
         self._loading = self._mass_std**2 / LOADED_AFTER_S
         self._own_bias_std = tuning.vehicle_slope_bias_std_pct / 100.0
+
+    def bend(self, curvature_std: float) -> None:
+        """Let the road's curvature have another std from here on: tangent of the slope a metre."""
+        self._road.curvature_std = curvature_std
 
     def first(self) -> tuple[Floats, Floats]:
         """State and covariance before anything is known, shapes (size,) and (size, size)."""
@@ -95,9 +98,10 @@ class VerticalModel:
         F, Q = into
         self._road.move(F, Q, distance_m)
         Q[S.BARO_BIAS, S.BARO_BIAS] = self._bias_walk * elapsed_s
-        Q[S.TORQUE_BIAS, S.TORQUE_BIAS] = Q[S.OWN_BIAS, S.OWN_BIAS] = (
-            self._torque_bias_walk * elapsed_s
-        )
+        kept = math.exp(-elapsed_s / self._torque_bias_time_s)
+        F[S.TORQUE_BIAS, S.TORQUE_BIAS] = F[S.OWN_BIAS, S.OWN_BIAS] = kept
+        Q[S.TORQUE_BIAS, S.TORQUE_BIAS] = self._torque_bias_std**2 * (1.0 - kept**2)
+        Q[S.OWN_BIAS, S.OWN_BIAS] = self._own_bias_std**2 * (1.0 - kept**2)
         Q[S.INVERSE_MASS, S.INVERSE_MASS] = self._loading * elapsed_s if distance_m == 0.0 else 0.0
         kept = math.exp(-elapsed_s / self._error_time_s)
         for state in range(S.GPS_ERROR, self.size):
@@ -146,17 +150,15 @@ class VerticalModel:
         """The engine's push over the stated weight, which carries slope and level road.
 
         level = share / mass - slope - bias, plus the errors of the speeds that the level road's
-        acceleration is made of. The mass is looked for by the pushes of the windows before (an
-        instrument): this window's is made of the slope that has just begun, and a mass that is
-        looked for by it comes out as whatever makes slopes small.
+        acceleration is made of.
         """
-        share, per_mps = pushed.share, 1.0 / (GRAVITY_MPS2 * pushed.length_s)
+        per_mps = 1.0 / (GRAVITY_MPS2 * pushed.length_s)
         y, H, R = np.empty(1), np.zeros((1, self.size)), np.empty((1, 1))
         H[0, S.SLOPE] = H[0, S.TORQUE_BIAS] = -1.0
         H[0, S.CURVATURE] = pushed.behind_m
-        H[0, S.INVERSE_MASS] = pushed.share_before
+        H[0, S.INVERSE_MASS] = pushed.share
         H[0, S.SPEED_ERROR], H[0, S.SPEED_ERROR_BEFORE] = per_mps, -per_mps
-        y[0] = pushed.level - H[0].dot(x) - (share - pushed.share_before) * x[S.INVERSE_MASS]
+        y[0] = pushed.level - H[0].dot(x)
         R[0, 0] = std**2
         return Measurement("torque", y, H, R)
 

@@ -3,8 +3,9 @@
 papers/004 section 3.3: the force of the engine, less what air, rolling and acceleration take, is
 what the slope takes (eq. 4.1 to 4.5). The force comes from the balance of powers, which needs
 neither the table of gears nor the wheels' radius: F = e T w / v, with the driveline's efficiency e
-that divides where the wheels turn the engine (T < 0). Means over windows between two readings of
-the wheels, because acceleration is a difference of speeds, and torque may come 100 times a second.
+that divides where the wheels turn the engine (T < 0). Acceleration is the difference of two mean
+speeds, each of the readings of half a second; the force is averaged with the very weights that
+this difference gives to accelerations: a driver's foot or a slow bus makes no slope.
 """
 
 import math
@@ -12,8 +13,9 @@ from typing import NamedTuple
 
 from wayline.drive import Vehicle
 from wayline.messages import Odometer, Torque
-from wayline.resolution import Resolution
 from wayline.vertical.driveline import Driveline
+from wayline.vertical.wheel_noise import WheelNoise
+from wayline.vertical.window import Block, Force, weighted_force
 
 GRAVITY_MPS2 = 9.81
 AIR_KG_PER_M3 = 1.2
@@ -22,8 +24,12 @@ WHEELS_SHARE = 0.025
 """Of the mass: what the wheels' rotation adds to it, for cars and trucks alike."""
 ENGINE_KGM2_PER_KG = 1e-4
 """The engine's inertia over the vehicle's mass: 0.15 kgm2 of a car, 3 of a truck."""
+SLIP = 0.08
+"""Share by which driven wheels turn faster, for a push as large as the weight: a tyre's stiffness
+of 25 and half of the weight on driven wheels. Pushing up a crest that begins, they speed up."""
 SLOWEST_MPS = 4.0
 """Below, clutch and converter slip and a power over a speed says little."""
+HELD_S = 1.0
 HELD_NS = 1_000_000_000
 """A value is held so long (SPEC section 2)."""
 RATIO_TOLERANCE = 0.05
@@ -31,17 +37,9 @@ RATIO_TOLERANCE = 0.05
 RATIO_SHARE = 0.2
 """What one reading counts for in the mean of that ratio."""
 SHORTEST_S, LONGEST_S = 0.5, 4.0
-"""Of a window; longer where the wheels' steps are coarse, given up where torque stays away."""
-NOISE_READINGS = 100.0
-"""Over which the noise of the wheels is learned."""
-COARSEST_STD_MPS = 0.08
-"""Of steps of 1 km/h; until enough is read, steps seem larger."""
-JERK_MPS = 0.15
-"""Of a second difference at most: more is a driver's foot, not noise."""
+"""Of a block; longer where the wheels' readings are seldom, given up where torque stays away."""
 SLOWING_MPS2 = -0.2
 """Without a signal of the brake: who slows down harder without torque may be braking."""
-REMEMBERED_S = 3.0
-"""Over which the windows before are averaged: longer than a filter needs to follow a slope."""
 FEW_SAMPLES_STD = 0.01
 """Of the slope, over the number of torques in a window: between two of them torque changes."""
 
@@ -50,7 +48,9 @@ class Push(NamedTuple):
     """The mean of a window, forces over the weight of the mass that the vehicle is said to have."""
 
     t_ns: int
-    """The window's end."""
+    """When it was told."""
+    middle_ns: int
+    """The instant that the mean is of."""
     length_s: float
     share: float
     """The engine's force at the wheels, less air and the engine's own inertia."""
@@ -61,63 +61,11 @@ class Push(NamedTuple):
     speed_std_mps: float
     """Of the wheels' speed at either end of the window."""
     goes_on: bool
-    """Whether it begins with the reading that ended the window before."""
-    share_before: float
-    """Mean of the windows before, over some seconds; 0 where none led up to this one."""
+    """Whether it begins with the speed that ended the window before."""
     behind_m: float
-    """How far before the window's end its middle lies."""
-
-    @property
-    def middle_ns(self) -> int:
-        """The instant that the mean is of."""
-        return self.t_ns - round(0.5e9 * self.length_s)
-
-
-class _Window:
-    """Sums since a reading of the wheels."""
-
-    def __init__(self, t_ns: int, speed_mps: float, *, goes_on: bool) -> None:
-        self.t_ns, self.speed_mps, self.goes_on = t_ns, speed_mps, goes_on
-        self.count = 0
-        self.force_n = self.turns_per_m2 = 0.0
-
-    def add(self, force_n: float, radians_per_m: float) -> None:
-        """One torque's force, and how far the engine turns for a metre."""
-        self.count += 1
-        self.force_n += force_n
-        self.turns_per_m2 += radians_per_m**2
-
-
-class SpeedNoise:
-    """White noise and steps of the wheels' speed, by its second differences."""
-
-    def __init__(self) -> None:
-        self._steps = Resolution(1e-4)
-        self._variance = 0.0
-        self._weight = 0.0
-        self._before: tuple[int, float] | None = None
-        self._change: tuple[float, float] | None = None
-        """Of the speed, and in what time."""
-
-    @property
-    def std_mps(self) -> float:
-        """One sigma."""
-        return max(math.sqrt(self._variance), min(self._steps.std, COARSEST_STD_MPS))
-
-    def learn(self, t_ns: int, speed_mps: float) -> None:
-        """Take a reading into account."""
-        self._steps.learn(speed_mps)
-        before, self._before = self._before, (t_ns, speed_mps)
-        if before is None or not 0 < t_ns - before[0] <= HELD_NS:
-            self._change = None
-            return
-        earlier, self._change = self._change, (speed_mps - before[1], (t_ns - before[0]) * 1e-9)
-        if earlier is None or speed_mps < SLOWEST_MPS:
-            return
-        second_mps = self._change[0] - earlier[0] * self._change[1] / earlier[1]
-        self._weight = min(self._weight + 1.0, NOISE_READINGS)
-        sample = min(abs(second_mps), JERK_MPS) ** 2 / 6.0
-        self._variance += (sample - self._variance) / self._weight
+    """How far before the place where it was told its middle lies."""
+    is_braked: bool
+    """Whether brakes may have held as well: the slope is at most what is told."""
 
 
 class Propulsion:
@@ -130,39 +78,40 @@ class Propulsion:
             0.5 * AIR_KG_PER_M3 * vehicle.drag_coefficient * vehicle.frontal_area_m2
         )
         self._engine_kgm2 = ENGINE_KGM2_PER_KG * vehicle.mass_kg
-        self._noise = SpeedNoise()
+        self._noise = WheelNoise(HELD_S, SLOWEST_MPS)
         self._engine_radps = self._speed_mps = 0.0
         self._engine_ns: int | None = None
         self._speed_ns: int | None = None
         self._radians_per_m: float | None = None
-        self._share_before = 0.0
         self._tells_overrun = False
-        self._window: _Window | None = None
+        self._before: Block | None = None
+        self._block: Block | None = None
+        self._goes_on = False
 
     def torque(self, torque: Torque) -> None:
         """Take a message of the engine, which `Driveline.watch` has seen before."""
         if torque.engine_speed_rpm is not None:
             self._engine_radps = torque.engine_speed_rpm * math.pi / 30.0
             self._engine_ns = torque.t_ns
-        if not self._driveline.is_settled(torque.t_ns):
-            self._window = None
+        if not self._driveline.is_joined(torque.t_ns):
+            self._give_up()
         if torque.engine_torque_nm is not None:
             self._take(torque.t_ns, torque.engine_torque_nm)
 
     def _take(self, t_ns: int, torque_nm: float) -> None:
         self._tells_overrun |= torque_nm < 0.0
         radians_per_m = self._turns(t_ns)
-        window = self._window
-        if radians_per_m is None or window is None:
+        if radians_per_m is None or self._block is None:
             return
         if torque_nm <= 0.0 and not self._tells_overrun:
             # 0 may stand for an engine that is dragged, by nobody knows how much
-            self._window = None
+            self._give_up()
             return
         efficiency = self._vehicle.driveline_efficiency
         through = efficiency if torque_nm >= 0.0 else 1.0 / efficiency
         air_n = self._drag_n_per_mps2 * self._speed_mps**2
-        window.add(through * torque_nm * radians_per_m - air_n, radians_per_m)
+        force_n = through * torque_nm * radians_per_m - air_n
+        self._block.forces.append(Force(t_ns, force_n, radians_per_m**2))
 
     def _turns(self, t_ns: int) -> float | None:
         """Radians of the engine for a metre of way; None where it is unknown or has changed."""
@@ -170,11 +119,11 @@ class Propulsion:
         if not fresh or self._speed_mps < SLOWEST_MPS:
             return None
         now, before = self._engine_radps / self._speed_mps, self._radians_per_m
-        tolerance = RATIO_TOLERANCE + 3.0 * self._noise.std_mps / self._speed_mps
+        tolerance = RATIO_TOLERANCE + 3.0 * self._noise.std_mps() / self._speed_mps
         if before is None or abs(now - before) > tolerance * before:
             self._radians_per_m = now
             self._driveline.disturb(t_ns)
-            self._window = None
+            self._give_up()
             return None
         self._radians_per_m = before + RATIO_SHARE * (now - before)
         return self._radians_per_m
@@ -188,41 +137,52 @@ class Propulsion:
         self._speed_mps, self._speed_ns = speed_mps, t_ns
         if odometer.reverse:
             self._driveline.disturb(t_ns)
-        if speed_mps < SLOWEST_MPS or not self._driveline.is_settled(t_ns):
-            self._window = None
+        if speed_mps < SLOWEST_MPS or not self._driveline.is_joined(t_ns):
+            self._give_up()
             return None
-        window = self._window
-        length_s = 0.0 if window is None else (t_ns - window.t_ns) * 1e-9
-        if window is None or length_s > LONGEST_S:
-            self._window = _Window(t_ns, speed_mps, goes_on=False)
+        block = self._block
+        if block is None or t_ns - block.begin_ns > LONGEST_S * 1e9:
+            self._give_up()
+            self._block = Block(t_ns)
             return None
-        if length_s < SHORTEST_S or not window.count:
+        block.read(t_ns, speed_mps)
+        block.is_braked |= not self._driveline.is_settled(t_ns)
+        if t_ns - block.begin_ns < SHORTEST_S * 1e9 or not block.forces:
             return None
-        self._window = _Window(t_ns, speed_mps, goes_on=True)
-        return self._push(window, t_ns, speed_mps, length_s)
+        before, self._before, self._block = self._before, block, Block(t_ns)
+        return None if before is None else self._push(before, block)
 
-    def _push(self, window: _Window, t_ns: int, speed_mps: float, length_s: float) -> Push | None:
-        acceleration_mps2 = (speed_mps - window.speed_mps) / length_s
-        force_n = window.force_n / window.count
-        if not self._driveline.tells_brake and force_n <= 0.0 and acceleration_mps2 < SLOWING_MPS2:
-            return None
-        engine_n = self._engine_kgm2 * window.turns_per_m2 / window.count * acceleration_mps2
-        rolling = self._vehicle.rolling_coefficient
+    def _give_up(self) -> None:
+        self._before = self._block = None
+        self._goes_on = False
+
+    def _push(self, before: Block, after: Block) -> Push | None:
+        t_ns, goes_on, self._goes_on = after.end_ns, self._goes_on, True
+        force_n, turns_per_m2, count = weighted_force(before, after)
+        length_s = (after.middle_ns - before.middle_ns) * 1e-9
+        slipped_mps = self._slip_mps(after.force_n - before.force_n)
+        acceleration_mps2 = (after.speed_mps - before.speed_mps - slipped_mps) / length_s
+        engine_n = self._engine_kgm2 * turns_per_m2 * acceleration_mps2
         share = (force_n - engine_n) / self._weight_n
-        before = self._share_before if window.goes_on else 0.0
-        kept = math.exp(-length_s / REMEMBERED_S) if window.goes_on else 0.0
-        self._share_before = share + kept * (before - share)
+        may_brake = not self._driveline.tells_brake and force_n <= 0.0
+        middle_ns = (before.middle_ns + after.middle_ns) // 2
         return Push(
             t_ns,
+            middle_ns,
             length_s,
             share,
-            rolling + (1.0 + WHEELS_SHARE) * acceleration_mps2 / GRAVITY_MPS2,
-            FEW_SAMPLES_STD / window.count,
-            self._noise.std_mps,
-            window.goes_on,
-            before,
-            0.25 * (speed_mps + window.speed_mps) * length_s,
+            self._vehicle.rolling_coefficient
+            + (1.0 + WHEELS_SHARE) * acceleration_mps2 / GRAVITY_MPS2,
+            FEW_SAMPLES_STD / count,
+            self._noise.std_mps(len(after.speeds_mps)),
+            goes_on,
+            after.speed_mps * (t_ns - middle_ns) * 1e-9,
+            before.is_braked or after.is_braked or (may_brake and acceleration_mps2 < SLOWING_MPS2),
         )
+
+    def _slip_mps(self, further_n: float) -> float:
+        """By how much driven wheels turn faster for a further push at the same speed."""
+        return SLIP * further_n / self._weight_n * self._speed_mps
 
 
 def _is_fresh(heard_ns: int | None, t_ns: int) -> bool:

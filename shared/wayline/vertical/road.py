@@ -10,6 +10,9 @@ from wayline.likelihood import Floats
 from wayline.vertical.states import VerticalStates
 
 S = VerticalStates
+LEVELLING_M = 2_000.0
+"""Over which a road turns back to level: did slopes wander without an end, the walls of a town
+would make slopes that no road has. Steps are far shorter, so that Q stays as it is."""
 SHORT_SHARE = 0.05
 """Of the correlation length: below, the closed form loses its digits and the first term does."""
 
@@ -18,7 +21,7 @@ class Road:
     """A road whose curvature has a std (tangent of the slope for a metre) and a length."""
 
     def __init__(self, curvature_std: float, length_m: float) -> None:
-        self._variance, self._length_m = curvature_std**2, length_m
+        self.curvature_std, self._length_m = curvature_std, length_m
 
     def move(self, F: Floats, Q: Floats, distance_m: float) -> None:
         """Write F and Q over a distance driven forward (negative in reverse)."""
@@ -29,10 +32,11 @@ class Road:
         F[S.ALTITUDE, S.SLOPE] = distance_m
         F[S.ALTITUDE, S.CURVATURE] = length_m**2 * (share - lost)
         F[S.SLOPE, S.CURVATURE] = sign * length_m * lost
+        F[S.SLOPE, S.SLOPE] = math.exp(-abs(distance_m) / LEVELLING_M)
         F[S.CURVATURE, S.CURVATURE] = kept
         rows = _short(share) if share < SHORT_SHARE else _long(share, kept)
         altitude, altitude_slope, altitude_curvature, slope, slope_curvature, curvature = rows
-        variance = self._variance
+        variance = self.curvature_std**2
         Q[S.ALTITUDE, S.ALTITUDE] = variance * length_m**4 * altitude
         Q[S.SLOPE, S.SLOPE] = variance * length_m**2 * slope
         Q[S.CURVATURE, S.CURVATURE] = variance * curvature

@@ -17,8 +17,8 @@ LIKELY_PROBABILITY = 0.95
 """Beside a barometer altitudes less likely than this count for less: walls move them at once."""
 PRESSURE_FACTOR_MIN = 1.0
 """Of the claimed variance of pressures: no less than steps and cabin make; wind is learned."""
-TORQUE_FACTOR_MIN = 1.0
-"""Of the configured variance of slopes by torque: gusts come and go."""
+TORQUE_FACTOR_MIN = 0.05
+"""Of the configured variance of slopes by torque."""
 MASSES = (0.3, 3.0)
 """True mass over the stated one; beyond, torque or mass are not what they are said to be."""
 AGREEING_M = 10.0

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 
 import msgspec
+import numpy as np
 import pytest
 
 from builders import only, run_core
@@ -86,6 +87,31 @@ def test_the_mass_is_found_after_10_km_of_hills(mass_kg: float) -> None:
     assert status.mass_kg == pytest.approx(mass_kg, rel=0.05)
     assert status.mass_std_kg is not None
     assert status.mass_std_kg < 0.05 * mass_kg
+
+
+@pytest.mark.parametrize("mass_kg", [17_400.0, 23_000.0])
+def test_noisy_wheels_do_not_draw_the_mass_to_what_makes_slopes_calm(mass_kg: float) -> None:
+    rng = np.random.default_rng(6)
+    noisy = [
+        msgspec.structs.replace(message, speed_mps=20.0 + float(rng.normal(0.0, 0.03)))
+        if isinstance(message, Odometer)
+        else message
+        for message in heard(500.0, mass_kg=mass_kg)
+    ]
+    assert last_status(outputs(noisy)).mass_kg == pytest.approx(mass_kg, rel=0.05)
+
+
+def test_while_brakes_hold_the_slope_is_at_most_what_torque_tells() -> None:
+    """Blind on an even road, then the brakes come on and the engine drags as down 3 %."""
+    blind = list(heard(200.0, blind_after_s=180.0))
+    dragged = TRUCK.mass_kg * G * -0.02 + 0.5 * 1.2 * 0.6 * 9.0 * 400.0
+    braked = [
+        msgspec.structs.replace(message, brake=True, engine_torque_nm=0.92 * dragged / TURNS_PER_M)
+        if isinstance(message, Torque) and message.t_ns - BEGIN_NS > 190e9
+        else message
+        for message in blind
+    ]
+    assert only(outputs(braked), Pose)[-1].grade_pct < -2.0
 
 
 def test_torque_alone_tells_the_slope_and_no_altitude() -> None:

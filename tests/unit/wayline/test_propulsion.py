@@ -12,7 +12,7 @@ from wayline.messages import Odometer, Torque
 from wayline.tuning import Tuning
 from wayline.vertical.engine import Engine
 from wayline.vertical.own_slope import OwnSlope
-from wayline.vertical.propulsion import Push
+from wayline.vertical.propulsion import SLIP, Push
 
 VEHICLE = Vehicle(mass_kg=1500.0, driveline_efficiency=0.9, rolling_coefficient=0.01)
 G, AIR = 9.81, 0.5 * 1.2 * 0.30 * 2.2
@@ -84,7 +84,6 @@ def test_windows_that_follow_each_other_say_so() -> None:
 @pytest.mark.parametrize(
     "said",
     [
-        {"brake": True},
         {"clutch": True},
         {"gear": 0},
         {"gear": -1},
@@ -98,11 +97,46 @@ def test_nothing_is_told_while_the_engine_is_not_alone_at_the_wheels(
     assert not pushes(driven(0.02, **said))
 
 
+def test_while_braking_the_slope_is_at_most_what_is_told() -> None:
+    """The engine's drag holds 20 m/s down 2 %, brakes hold it down 6 %."""
+    drag: dict[str, Any] = {"engine_torque_nm": needed_nm(20.0, -0.02)}
+    found = pushes(driven(-0.06, brake=True, **drag))
+    assert found
+    assert all(push.is_braked for push in found)
+    assert slopes(found) == pytest.approx([-0.02] * len(found), abs=4e-4)
+
+
 def test_brakes_are_over_after_six_tenths_of_a_second() -> None:
-    stream = list(driven(0.02))
-    braked = [Torque(t_ns=START_NS, brake=True), *stream[2:]]
-    first = pushes(iter(braked))[0]
-    assert first.t_ns - first.length_s * 1e9 - START_NS > 0.6e9
+    braked_ns = START_NS + 2_000_000_000
+    stream = [*driven(0.02), Torque(t_ns=braked_ns, brake=True)]
+    found = pushes(iter(sorted(stream, key=lambda message: message.t_ns)))
+    braked = [push for push in found if push.is_braked]
+    assert braked[-1].t_ns - braked_ns > 0.6e9
+    free = [push for push in found if push.t_ns > braked[-1].t_ns]
+    assert found[0] not in braked
+    assert free
+
+
+def test_a_foot_that_pumps_makes_no_slope() -> None:
+    """Accelerations change within the windows, the force and the driven wheels' slip with them."""
+    engine, found, speed = Engine(VEHICLE, Tuning()), [], 20.0
+    for i in range(300):
+        mps2 = 0.8 if i // 4 % 2 else -0.4
+        t_ns = START_NS + i * 100_000_000
+        turning_rpm = speed * TURNS_PER_M * 30.0 / math.pi
+        nm = needed_nm(speed, 0.02, mps2)
+        engine.torque(Torque(t_ns=t_ns + 1, engine_torque_nm=nm, engine_speed_rpm=turning_rpm))
+        speed += 0.1 * mps2
+        turned_mps = speed * (1.0 + SLIP * nm * 0.9 * TURNS_PER_M / (1500.0 * G))
+        push = engine.wheels(Odometer(t_ns=t_ns + 100_000_000, speed_mps=turned_mps))
+        found += [push] if push else []
+    assert slopes(found) == pytest.approx([0.02] * len(found), abs=3e-3)
+
+
+def test_a_torque_between_two_seldom_readings_belongs_to_their_difference() -> None:
+    found = slopes(pushes(driven(0.03, hz=2, mps2=0.3, seconds=20.0)))
+    assert len(found) > 10
+    assert found == pytest.approx([0.03] * len(found), abs=1e-3)
 
 
 def test_another_gear_begins_anew_though_no_gear_is_told() -> None:
@@ -125,8 +159,11 @@ def test_slow_wheels_tell_nothing() -> None:
 
 def test_slowing_down_without_torque_may_be_braking_where_no_brake_is_told() -> None:
     drag: dict[str, Any] = {"engine_torque_nm": -20.0}
-    assert not pushes(driven(0.0, mps2=-0.5, speed_mps=25.0, **drag))
-    assert pushes(driven(0.0, mps2=-0.5, speed_mps=25.0, brake=False, **drag))
+    untold = pushes(driven(0.0, mps2=-0.5, speed_mps=25.0, **drag))
+    assert all(push.is_braked for push in untold)
+    told = pushes(driven(0.0, mps2=-0.5, speed_mps=25.0, brake=False, **drag))
+    assert not any(push.is_braked for push in told)
+    assert len(untold) == len(told) > 5
 
 
 def test_a_bus_that_says_0_on_the_overrun_says_nothing_there() -> None:
@@ -141,7 +178,8 @@ def test_noise_of_the_wheels_is_learned_from_second_differences() -> None:
         else m
         for m in driven(0.0, seconds=30.0)
     ]
-    assert pushes(iter(noisy))[-1].speed_std_mps == pytest.approx(0.03, rel=0.3)
+    std_mps = 0.03 / math.sqrt(5.0)  # ten readings a second, half a second each
+    assert pushes(iter(noisy))[-1].speed_std_mps == pytest.approx(std_mps, rel=0.3)
 
 
 def test_the_vehicles_own_slope_is_told_as_means_of_a_second_and_not_while_braking() -> None:

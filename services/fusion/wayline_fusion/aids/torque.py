@@ -48,12 +48,16 @@ class TorqueSlope:
             kalman.inflate_mass(tuning.mass_std_share)
             streak = None
         kalman.project_window(push.speed_std_mps, goes_on=push.goes_on)
-        pushed = Pushed(push.length_s, push.share, push.level, push.share_before, push.behind_m)
+        pushed = Pushed(push.length_s, push.share, push.level, push.behind_m)
         measurement = kalman.model.torque(kalman.x, pushed, std)
         if not is_believable_mass(kalman.mass):
             estimate.tell("torque", push.t_ns, "the mass would be no such vehicle's")
             return UNUSED
+        if push.is_braked and float(measurement.y[0]) <= 0.0:
+            return UNUSED
         outcome = try_measurement(estimate, measurement, push.t_ns, Policy(tuning.gate_probability))
+        if push.is_braked:
+            return outcome
         square, predicted = float(outcome.off[0]) ** 2, float(outcome.expected[0, 0])
         noise = noise.learned(square, predicted, claimed**2, TORQUE_FACTOR_MIN)
         if outcome.is_accepted:

@@ -1,0 +1,71 @@
+"""Pure: how bendy a road is, cell by cell, and how far torque is biased, as a smoothed run tells.
+
+Roads are even slopes joined by vertical curves: a curvature with one std all along cuts the crests
+and lets noise through between them. Each pass over a run tells the curvature's mean square in every
+cell, what it does not know included; that is the next pass's std there (expectation maximisation,
+with the road's usual bends as prior). Where little is measured the std hardly changes.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wayline.line import Floats
+from wayline.tuning import Tuning
+from wayline.vertical.states import VerticalStates
+
+S = VerticalStates
+CELL_M = 40.0
+"""Half of a short vertical curve."""
+BESIDE = 1
+"""Cells before and behind that count as well: curvature is known no better."""
+USUAL_WEIGHT = 0.3
+"""What the road's usual square, the geometric mean of all cells, is worth beside a cell's own."""
+FEWEST_SLOPES = 200
+"""Altitudes alone tell bends too badly: each pass would take more of the hills for noise."""
+BENDY_FACTOR = 2.5
+"""On the curvature's std that is configured, where torque and barometer do not tell of bends both:
+crests that are cut stay cut in the map, noise averages out over the runs, and beside GPS alone a
+mass is soon whatever makes slopes calm."""
+BIAS_FACTOR_MAX = 3.0
+"""Of the std of torque's bias that is configured; one run does not tell more, nor of less."""
+
+
+class Learned(NamedTuple):
+    """What a pass over a run starts from."""
+
+    curvature_std: Floats
+    """Tangent of the slope for a metre, at each node, shape (n,)."""
+    torque_bias_std_pct: float
+
+
+def first(count: int, tuning: Tuning, *, is_told: bool) -> Learned:
+    """Before the first pass over so many nodes, and whether torque and barometer tell of bends."""
+    factor = 1.0 if is_told else BENDY_FACTOR
+    curvature_std = factor * tuning.curvature_std_pct_per_m / 100.0
+    return Learned(np.full(count, curvature_std), tuning.torque_bias_std_pct)
+
+
+def learned(travelled_m: Floats, x: Floats, P: Floats, tuning: Tuning) -> Learned:
+    """After a pass that left these smoothed states, shapes (n, size) and (n, size, size)."""
+    told = x[:, S.CURVATURE] ** 2 + P[:, S.CURVATURE, S.CURVATURE]
+    cells = ((travelled_m - travelled_m[0]) / CELL_M).astype(np.intp)
+    means = _cell_means(cells, told)
+    usual = math.exp(float(np.mean(np.log(means))))
+    squares = (USUAL_WEIGHT * usual + means) / (USUAL_WEIGHT + 1.0)
+    bias = float(np.mean(x[:, S.TORQUE_BIAS] ** 2 + P[:, S.TORQUE_BIAS, S.TORQUE_BIAS]))
+    stated = tuning.torque_bias_std_pct
+    bias_std_pct = min(max(100.0 * math.sqrt(bias), stated), BIAS_FACTOR_MAX * stated)
+    return Learned(np.sqrt(squares)[cells], bias_std_pct)
+
+
+def _cell_means(cells: NDArray[np.intp], values: Floats) -> Floats:
+    """Means over cells and those beside them; cells without a node lie between their neighbours."""
+    counts = np.bincount(cells)
+    filled = np.flatnonzero(counts)
+    sums = np.bincount(cells, values)
+    means = np.interp(np.arange(len(counts)), filled, sums[filled] / counts[filled])
+    window = np.full(2 * BESIDE + 1, 1.0 / (2 * BESIDE + 1))
+    return np.convolve(np.pad(means, BESIDE, mode="edge"), window, mode="valid")

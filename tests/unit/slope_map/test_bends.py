@@ -1,0 +1,38 @@
+"""How bendy a road is, and how far torque is biased, as a smoothed run tells."""
+
+import numpy as np
+import pytest
+
+from wayline.line import Floats
+from wayline.tuning import Tuning
+from wayline.vertical.states import VerticalStates
+from wayline_slope_map.bends import CELL_M, Learned, learned
+
+S = VerticalStates
+COUNT, SIZE = 400, S.GPS_ERROR + 1
+TRAVELLED_M = np.linspace(0.0, 4_000.0, COUNT)
+
+
+def after(curvature: Floats, *, std: float = 1e-6, bias: float = 0.0) -> Learned:
+    x, P = np.zeros((COUNT, SIZE)), np.zeros((COUNT, SIZE, SIZE))
+    x[:, S.CURVATURE], x[:, S.TORQUE_BIAS] = curvature, bias
+    P[:, S.CURVATURE, S.CURVATURE] = std**2
+    return learned(TRAVELLED_M, x, P, Tuning())
+
+
+def test_a_vertical_curve_is_bendier_than_the_slopes_beside_it() -> None:
+    in_curve = (TRAVELLED_M > 2_000.0) & (TRAVELLED_M < 2_200.0)
+    std = after(np.where(in_curve, 3e-4, 1e-6)).curvature_std
+    assert std[in_curve].max() == pytest.approx(3e-4, rel=0.2)
+    far = np.abs(TRAVELLED_M - 2_100.0) > 100.0 + 3.0 * CELL_M
+    assert std[far].max() < 0.1 * std[in_curve].max()
+
+
+def test_what_is_not_known_of_the_curvature_counts_as_bends() -> None:
+    assert after(np.zeros(COUNT), std=2e-4).curvature_std == pytest.approx(np.full(COUNT, 2e-4))
+
+
+def test_torque_that_is_biased_more_than_configured_is_trusted_less_within_bounds() -> None:
+    stated = Tuning().torque_bias_std_pct
+    found = [after(np.zeros(COUNT), bias=bias).torque_bias_std_pct for bias in (0.0, 6e-3, 0.5)]
+    assert found == pytest.approx([stated, 0.6, 3.0 * stated])
