@@ -76,7 +76,14 @@ def test_what_the_configuration_names_is_looked_at(tmp_path: Path) -> None:
         database_url=f"sqlite:///{tmp_path}/a.db",
     )
     checks = configured(settings, ["eta", "slope-map"], is_default=False)
-    assert [check.mark.value for check in checks] == ["fine", "fine", "fine", "wrong", "fine", "fine"]
+    assert [check.mark.value for check in checks] == [
+        "fine",
+        "fine",
+        "fine",
+        "wrong",
+        "fine",
+        "fine",
+    ]
     assert [check.subject for check in checks] == [
         "vehicle", "HTTP", "route", "route", "database of eta", "database of slope-map",
     ]  # fmt: skip
