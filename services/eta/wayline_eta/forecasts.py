@@ -7,8 +7,10 @@ from wayline_eta.ranges import span_of
 
 EVERY_NS = 60_000_000_000
 """One forecast a minute of each stop is remembered."""
+LONGEST_S = 3_600.0
+"""Older forecasts are not compared: the vehicle has been elsewhere since."""
 KEPT_MAX = 64
-"""Forecasts of one stop; who is forecast for longer is scored by the last hour."""
+"""Forecasts of one stop."""
 
 
 class Forecast(NamedTuple):
@@ -50,10 +52,17 @@ class Forecasts:
         made.append(forecast)
 
     def arrive(self, stop: int, arrived_ns: int) -> Iterator[Came]:
-        """Compare what was forecast of a stop with when the vehicle came there."""
+        """Compare what was forecast of a stop with when the vehicle came there, one a span.
+
+        Forecasts a minute apart are wrong alike, so of those that were made in the same span of
+        minutes ahead the first tells enough.
+        """
+        spans: set[int] = set()
         for made in self._made.pop(stop, ()):
             off_ns = arrived_ns - made.arrival_ns
             width_ns = made.late_width_ns if off_ns >= 0 else made.early_width_ns
             ahead_s = (arrived_ns - made.made_ns) * 1e-9
-            if ahead_s > 0.0:
-                yield Came(made.made_ns, span_of(ahead_s), off_ns / max(width_ns, 1))
+            span = span_of(ahead_s)
+            if 0.0 < ahead_s < LONGEST_S and span not in spans:
+                spans.add(span)
+                yield Came(made.made_ns, span, off_ns / max(width_ns, 1))

@@ -15,7 +15,7 @@ MINUTES = (3.0, 6.0, 10.0, 15.0)
 SPANS = len(MINUTES) + 1
 REMEMBERED = 600
 """Forecasts of each span; older ones are forgotten."""
-BELIEVED = 40
+BELIEVED = 20
 """So many made-up ones stand beside them."""
 SHARE = 0.1
 """Of arrivals before the range, and of those after it."""

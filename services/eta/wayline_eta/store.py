@@ -11,9 +11,11 @@ from wayline.database import write_transaction
 from wayline_eta.records import Came, Learned, Taken
 from wayline_eta.tables import CAME, TAKEN
 
-KEPT_DAYS = 90
-"""Before the newest; what is older is deleted at a start."""
 DAY_NS = 86_400 * 1_000_000_000
+KEPT_NS = {TAKEN: 90 * DAY_NS, CAME: 7 * DAY_NS}
+"""Before the newest; of how forecasts came the last ones say enough."""
+PRUNED_EVERY = 5_000
+"""Records; older rows are deleted then, and at a start."""
 LEG_RUNS = 200
 """The newest of each leg are read at a start; the model forgets sooner."""
 CAME_READ = 20_000
@@ -29,6 +31,7 @@ class EtaTables:
     def __init__(self, engine: sa.Engine) -> None:
         self._engine = engine
         self._is_told = False
+        self._saved = 0
 
     def save(self, vehicle_id: str, record: Record) -> Sequence[msgspec.Struct]:
         """Keep what was learned; there is no answer."""
@@ -43,6 +46,9 @@ class EtaTables:
                     for each in record.came
                 ]
                 connection.execute(_new(connection, CAME), rows)
+        self._saved += 1
+        if self._saved % PRUNED_EVERY == 0:
+            self._delete_old()
         return ()
 
     def look(self) -> Sequence[msgspec.Struct]:
@@ -59,7 +65,7 @@ class EtaTables:
             for table, time in ((TAKEN, TAKEN.c.t_ns), (CAME, CAME.c.made_ns)):
                 newest_ns = connection.execute(sa.select(sa.func.max(time))).scalar_one()
                 if newest_ns is not None:
-                    old = time < newest_ns - KEPT_DAYS * DAY_NS
+                    old = time < newest_ns - KEPT_NS[table]
                     connection.execute(sa.delete(table).where(old))
 
     def _taken(self) -> list[Taken]:
