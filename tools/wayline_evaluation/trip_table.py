@@ -2,6 +2,7 @@
 
 from rich.table import Table
 
+from wayline_evaluation.drive_table import drive_table, percent
 from wayline_evaluation.trips import TripReport
 
 COLUMNS = (
@@ -19,23 +20,14 @@ COLUMNS = (
 
 def trip_table(report: TripReport) -> Table:
     """One row a drive, and one for all."""
-    table = Table(
-        title="the trip that was told, against the one that was run",
-        title_justify="left",
-        header_style="bold",
-        box=None,
-        pad_edge=False,
-    )
-    table.add_column("drive")
-    for name in COLUMNS:
-        table.add_column(name, justify="right", no_wrap=True)
+    table = drive_table("the trip that was told, against the one that was run", COLUMNS)
     for score in (*report.scores, report.pooled):
         table.add_row(
             score.drive,
             f"{score.every_s:.0f}",
             f"{score.seconds:,}",
             *map(
-                _percent,
+                percent,
                 (
                     score.told_share,
                     score.right_share,
@@ -45,10 +37,6 @@ def trip_table(report: TripReport) -> Table:
                 ),
             ),
             str(score.wrong_way_reports),
-            _percent(score.idle_share),
+            percent(score.idle_share),
         )
     return table
-
-
-def _percent(share: float | None) -> str:
-    return "" if share is None else f"{100.0 * share:.1f}"
