@@ -1,9 +1,10 @@
 """Pure: what every vehicle has taught of travel and dwell times, and what to expect by it.
 
 Travel is the logarithm of time taken over time planned, a leg's by half hour and class of day. Each
-level is held to the one above by as much as it knows less: half hour, class of day, leg, all legs
-of the route, plan. On top comes what traffic is now: how much slower than usual a leg was for
-whoever drove it last, which fades within `CONGESTION_S`.
+level is held to the one above by as much as it knows less: half hour, class of day, leg, plan. What
+other legs took says nothing of one: a plan that is wrong here is right there. On top comes what
+traffic is now: how much slower than usual a leg was for whoever drove it last, which fades within
+`CONGESTION_S`.
 """
 
 import math
@@ -16,19 +17,15 @@ from wayline_eta.forgetful import Forgetful
 from wayline_eta.legs import Leg
 from wayline_eta.records import Taken
 
-HELD = {"slot": 4.0, "day": 3.0, "leg": 0.5}
+DAY_HELD, SLOT_HELD = 3.0, 4.0
 """What the level above is worth to each, in observations."""
-PLAN_HELD = 1.0
-"""What a plan is worth against all legs' mean; a timetable is worth more than a few legs."""
-TIMETABLE_HELD = 60.0
+PLAN_HELD, TIMETABLE_HELD = 0.3, 1.0
+"""What a leg's plan is worth: a timetable has been driven before."""
 LEG_STD = 0.12
 """Of the logarithm from run to run, before runs have told; worth PRIOR_RUNS."""
 PRIOR_RUNS = 4.0
-UNSEEN_STD = 0.25
-"""Of a leg that nobody has driven, from all others' mean."""
-PLAN_STD = 0.20
-"""Of all legs from the plan, before any was driven."""
-TIMETABLE_STD = 0.12
+PLAN_STD, TIMETABLE_STD = 0.14, 0.12
+"""Of the logarithm of what nobody has driven, from its plan."""
 CONGESTION_STD = 0.10
 CONGESTION_S = 1_200.0
 RATIO_MAX = 20.0
@@ -89,17 +86,17 @@ class Experience:
             return
         ratio = math.log(seen.travel_s / seen.planned_s)
         if is_now:
-            usual, variance = self._usual(seen.leg, seen.plan, seen.t_ns)
+            usual, variance = self._usual(seen.leg, seen.t_ns)
             now = self._now.get(seen.leg, Congestion(seen.t_ns)).at(seen.t_ns)
             self._now[seen.leg] = now.measured(ratio - usual, variance)
         day, slot = slot_of(seen.t_ns, self._zone)
-        for key in (seen.plan,), (seen.leg,), (seen.leg, day), (seen.leg, day, slot):
+        for key in (seen.leg,), (seen.leg, day), (seen.leg, day, slot):
             self._travel[key] = self._travel[key].with_value(ratio)
 
-    def travel(self, leg: Leg, plan: str, t_ns: int, ahead_s: float = 0.0) -> Expected:
+    def travel(self, leg: Leg, t_ns: int, ahead_s: float = 0.0) -> Expected:
         """Of a leg that is begun `ahead_s` from an instant."""
         begun_ns = t_ns + round(ahead_s * 1e9)
-        usual, variance = self._usual(leg.key, plan, begun_ns)
+        usual, variance = self._usual(leg.key, begun_ns)
         if (now := self._now.get(leg.key)) is not None:
             faded = now.at(begun_ns)
             usual, variance = usual + faded.mean, variance + faded.variance
@@ -124,18 +121,14 @@ class Experience:
         """How many dwells at a stop have taught, those of long ago for less."""
         return self._dwell[stop].weight if stop in self._dwell else 0.0
 
-    def _usual(self, leg: str, plan: str, t_ns: int) -> tuple[float, float]:
+    def _usual(self, leg: str, t_ns: int) -> tuple[float, float]:
         """The logarithm of taken over planned, and its variance for one run."""
         day, slot = slot_of(t_ns, self._zone)
-        of_all, of_leg = self._known(plan), self._known(leg)
-        mean = of_all.blended(0.0, self._plan_held)
-        unsure = self._plan_variance * self._plan_held / (of_all.weight + self._plan_held)
-        mean = of_leg.blended(mean, HELD["leg"])
-        share = HELD["leg"] / (of_leg.weight + HELD["leg"])
-        unsure = share * (unsure + UNSEEN_STD**2 * min(1.0, of_all.weight))
-        mean = self._known(leg, day).blended(mean, HELD["day"])
-        of_slot = self._known(leg, day, slot)
-        mean = of_slot.blended(mean, HELD["slot"])
+        of_leg, of_slot = self._known(leg), self._known(leg, day, slot)
+        mean = of_leg.blended(0.0, self._plan_held)
+        mean = self._known(leg, day).blended(mean, DAY_HELD)
+        mean = of_slot.blended(mean, SLOT_HELD)
+        unsure = self._plan_variance * self._plan_held / (of_leg.weight + self._plan_held)
         spread = of_slot if of_slot.weight > PRIOR_RUNS else of_leg
         return mean, spread.variance(LEG_STD**2, PRIOR_RUNS) + unsure
 

@@ -74,7 +74,7 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
         leg = legs.to(at)
         expected = Expected(0.0, 0.0)
         if leg is not None:
-            expected = experience.travel(leg, plan, t_ns, ahead_s)
+            expected = experience.travel(leg, t_ns, ahead_s)
         travels.append(expected)
         dwells.append(experience.dwell(legs.keys[at], stop.dwell_s))
         ahead_s += expected.seconds + dwells[-1].seconds

@@ -149,6 +149,10 @@ class Propulsion:
         block.is_braked |= not self._driveline.is_settled(t_ns)
         if t_ns - block.begin_ns < SHORTEST_S * 1e9 or not block.forces:
             return None
+        if self._before is not None and block.middle_ns <= self._before.middle_ns:
+            # readings that came late, out of their order
+            self._give_up()
+            return None
         before, self._before, self._block = self._before, block, Block(t_ns)
         return None if before is None else self._push(before, block)
 
