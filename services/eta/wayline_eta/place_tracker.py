@@ -26,6 +26,8 @@ HEADING_STD_DEG = 30.0
 OUTLIER = 3.0
 """In sigmas: beyond it a misfit counts in proportion, no longer squared (Huber)."""
 STANDING_MPS = 0.5
+STANDING_M = 1.0
+"""Who has come on by less between two poses stands."""
 CORRELATION_S = 10.0
 """Errors of position last about so long: poses nearer in time are not new evidence."""
 MOTION_SLACK_M = 5.0
@@ -159,7 +161,9 @@ class PlaceTracker:
         if half_m > 0.0:
             outside_m = np.maximum(outside_m - half_m, 0.0)
         misfit = outside_m / moves.slack_m
-        misfit = np.minimum(misfit, misfit**2)
+        if moves.unlike_cost > 0.0 or abs(moves.likely_m) < STANDING_M:
+            # of reports, and of a stand, small misfits are noise
+            misfit = np.minimum(misfit, misfit**2)
         costs = self._costs[:, None] + misfit / (1.0 + misfit / JUMP_COST)
         if moves.unlike_cost > 0.0:
             unlike_m = np.abs(middle_m + surplus_m - moves.likely_m)

@@ -117,8 +117,10 @@ class Sightings:
             return True
         if self._has_wheels:
             return False
-        seldom_s = max(self._usual_s, (t_ns - self._fix_ns) * 1e-9)
-        return seldom_s > SELDOM_S or _is_unsure(pose, self._tuning.on_route_m)
+        if max(self._usual_s, (t_ns - self._fix_ns) * 1e-9) > SELDOM_S:
+            return True
+        # before a vehicle has driven nobody knows better where it is than its first fix
+        return pose.mode != "starting" and _is_unsure(pose, self._tuning.on_route_m)
 
     def _seen(self, pose: Pose, *, reported: bool) -> Sighting:
         self._last = Sighting(pose, reported)
