@@ -199,8 +199,8 @@ def _rest(by: Expectations, outlook: Outlook, stop: int, visit_m: float) -> tupl
     ends_s = by.route.time_at(np.array([max(outlook.total_m, 0.0), visit_m]))
     planned_s, whole_s = max(float(ends_s[1] - ends_s[0]), 0.0), float(by.planned_s[stop])
     if whole_s <= 0.0:
-        # before the first stop nobody has measured anything
-        return planned_s, (UNSEEN_STD * planned_s) ** 2
+        to_first_s = by.first_factor * planned_s
+        return to_first_s, (UNSEEN_STD * to_first_s) ** 2
     share = min(planned_s / whole_s, 1.0)
     return share * float(by.travel_s[stop]), share * float(by.travel_s2[stop])
 

@@ -1,14 +1,14 @@
 """Pure: what every vehicle has taught of travel and dwell times, and what to expect by it.
 
 Travel is the logarithm of time taken over time planned, a leg's by half hour and class of day. Each
-level is held to the one above by as much as it knows less: half hour, class of day, leg, plan. What
-other legs took says nothing of one: a plan that is wrong here is right there. On top comes what
-traffic is now: how much slower than usual a leg was for whoever drove it last, which fades within
-`CONGESTION_S`.
+level is held to the one above by as much as it knows less: half hour, class of day, leg, plan. How
+the plan's other legs went on earlier runs says how wrong it is; how they have just gone does not: a
+run that is slow here is quick there. On top comes what traffic is now: how much slower than usual
+a leg was for whoever drove it last, which fades within `CONGESTION_S`.
 """
 
 import math
-from collections import defaultdict
+from collections import defaultdict, deque
 from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
@@ -21,6 +21,10 @@ DAY_HELD, SLOT_HELD = 3.0, 4.0
 """What the level above is worth to each, in observations."""
 PLAN_HELD, TIMETABLE_HELD = 0.3, 1.0
 """What a leg's plan is worth: a timetable has been driven before."""
+OTHERS_HELD = 3.0
+"""What the plan itself is worth beside all of its legs as they went on earlier runs."""
+EARLIER_NS = 2 * 3_600 * 1_000_000_000
+"""A run is an earlier one after so long."""
 LEG_STD = 0.12
 """Of the logarithm from run to run, before runs have told; worth PRIOR_RUNS."""
 PRIOR_RUNS = 4.0
@@ -74,6 +78,10 @@ class Experience:
         self._travel: defaultdict[tuple[object, ...], Forgetful] = defaultdict(Forgetful)
         self._dwell: defaultdict[str, Forgetful] = defaultdict(Forgetful)
         self._now: dict[str, Congestion] = {}
+        self._plans: defaultdict[str, Forgetful] = defaultdict(Forgetful)
+        """Of all legs of each plan, on earlier runs."""
+        self._young: defaultdict[str, deque[tuple[int, float]]] = defaultdict(deque)
+        """What is not long enough ago for that."""
 
     def learn(self, seen: Taken, *, is_now: bool = True) -> None:
         """Take what a vehicle took; breakdowns teach nothing.
@@ -86,17 +94,25 @@ class Experience:
             return
         ratio = math.log(seen.travel_s / seen.planned_s)
         if is_now:
-            usual, variance = self._usual(seen.leg, seen.t_ns)
+            usual, variance = self._usual(seen.leg, seen.plan, seen.t_ns)
             now = self._now.get(seen.leg, Congestion(seen.t_ns)).at(seen.t_ns)
             self._now[seen.leg] = now.measured(ratio - usual, variance)
         day, slot = slot_of(seen.t_ns, self._zone)
         for key in (seen.leg,), (seen.leg, day), (seen.leg, day, slot):
             self._travel[key] = self._travel[key].with_value(ratio)
+        self._young[seen.plan].append((seen.t_ns, ratio))
 
-    def travel(self, leg: Leg, t_ns: int, ahead_s: float = 0.0) -> Expected:
+    def plan_off(self, plan: str, t_ns: int) -> float:
+        """The logarithm of what is taken over what is planned, of a leg that nobody has driven."""
+        young = self._young[plan]
+        while young and young[0][0] <= t_ns - EARLIER_NS:
+            self._plans[plan] = self._plans[plan].with_value(young.popleft()[1])
+        return self._plans[plan].blended(0.0, OTHERS_HELD)
+
+    def travel(self, leg: Leg, plan: str, t_ns: int, ahead_s: float = 0.0) -> Expected:
         """Of a leg that is begun `ahead_s` from an instant."""
         begun_ns = t_ns + round(ahead_s * 1e9)
-        usual, variance = self._usual(leg.key, begun_ns)
+        usual, variance = self._usual(leg.key, plan, begun_ns)
         if (now := self._now.get(leg.key)) is not None:
             faded = now.at(begun_ns)
             usual, variance = usual + faded.mean, variance + faded.variance
@@ -121,11 +137,11 @@ class Experience:
         """How many dwells at a stop have taught, those of long ago for less."""
         return self._dwell[stop].weight if stop in self._dwell else 0.0
 
-    def _usual(self, leg: str, t_ns: int) -> tuple[float, float]:
+    def _usual(self, leg: str, plan: str, t_ns: int) -> tuple[float, float]:
         """The logarithm of taken over planned, and its variance for one run."""
         day, slot = slot_of(t_ns, self._zone)
         of_leg, of_slot = self._known(leg), self._known(leg, day, slot)
-        mean = of_leg.blended(0.0, self._plan_held)
+        mean = of_leg.blended(self.plan_off(plan, t_ns), self._plan_held)
         mean = self._known(leg, day).blended(mean, DAY_HELD)
         mean = of_slot.blended(mean, SLOT_HELD)
         unsure = self._plan_variance * self._plan_held / (of_leg.weight + self._plan_held)

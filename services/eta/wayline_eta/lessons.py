@@ -1,5 +1,6 @@
 """Pure: what all vehicles of a process have learned, and what it says of one route."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 from zoneinfo import ZoneInfo
@@ -54,6 +55,8 @@ class Expectations(NamedTuple):
     """Its variance."""
     dwell_s: Floats
     dwell_s2: Floats
+    first_factor: float
+    """What the way to the first stop takes over what is planned: nobody has measured it."""
     dwells_seen: Floats
     """How many were, those of long ago for less."""
     is_driven: NDArray[np.bool_]
@@ -74,7 +77,7 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
         leg = legs.to(at)
         expected = Expected(0.0, 0.0)
         if leg is not None:
-            expected = experience.travel(leg, t_ns, ahead_s)
+            expected = experience.travel(leg, plan, t_ns, ahead_s)
         travels.append(expected)
         dwells.append(experience.dwell(legs.keys[at], stop.dwell_s))
         ahead_s += expected.seconds + dwells[-1].seconds
@@ -89,6 +92,7 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
         travel_s2=travel_s2,
         dwell_s=dwell_s,
         dwell_s2=dwell_s2,
+        first_factor=math.exp(experience.plan_off(plan, t_ns)),
         dwells_seen=np.array([experience.dwells_seen(key) for key in legs.keys]),
         is_driven=np.array(
             [leg is not None and experience.is_driven(leg.key) for leg in known], dtype=np.bool_

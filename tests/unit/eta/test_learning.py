@@ -94,7 +94,7 @@ LEG = Legs(ROUTE, "r").legs[0]
 
 
 def test_a_plan_stands_until_somebody_has_driven_it() -> None:
-    expected = experienced([]).travel(LEG, START_NS)
+    expected = experienced([]).travel(LEG, "r", START_NS)
     assert expected.seconds == pytest.approx(LEG.planned_s)
     assert 0.1 < expected.variance_s2**0.5 / LEG.planned_s < 0.4
 
@@ -102,18 +102,22 @@ def test_a_plan_stands_until_somebody_has_driven_it() -> None:
 def test_a_few_runs_replace_the_plan_and_make_surer() -> None:
     runs = [drove(LEG.key, 100.0, 240.0, START_NS + run * HOUR_NS) for run in range(8)]
     before, after = experienced([]), experienced(runs)
-    ratio = after.travel(LEG, START_NS).seconds / LEG.planned_s
+    ratio = after.travel(LEG, "r", START_NS).seconds / LEG.planned_s
     assert ratio == pytest.approx(2.4, rel=0.05)
-    share = [each.travel(LEG, START_NS) for each in (before, after)]
+    share = [each.travel(LEG, "r", START_NS) for each in (before, after)]
     stds = [each.variance_s2**0.5 / each.seconds for each in share]
     assert stds[1] < 0.7 * stds[0]
 
 
-def test_what_other_legs_took_says_nothing_of_one() -> None:
+def test_other_legs_say_how_wrong_the_plan_is_on_earlier_runs_only() -> None:
     other = Legs(ROUTE, "r").legs[1]
-    runs = [drove(LEG.key, 100.0, 200.0, START_NS + run * HOUR_NS) for run in range(10)]
-    expected = experienced(runs).travel(other, START_NS)
-    assert expected.seconds == pytest.approx(other.planned_s)
+    runs = [drove(LEG.key, 100.0, 200.0, START_NS + run) for run in range(10)]
+    now_s = experienced(runs, is_now=True).travel(other, "r", START_NS + 60 * SECOND_NS).seconds
+    assert now_s == pytest.approx(other.planned_s)
+    later_s = experienced(runs).travel(other, "r", START_NS + DAY_NS).seconds
+    assert later_s == pytest.approx(1.65 * other.planned_s, rel=0.05)
+    elsewhere_s = experienced(runs).travel(other, "another", START_NS + DAY_NS).seconds
+    assert elsewhere_s == pytest.approx(other.planned_s)
 
 
 def test_the_rush_hour_is_another_time_than_the_evening() -> None:
@@ -125,8 +129,8 @@ def test_the_rush_hour_is_another_time_than_the_evening() -> None:
             drove(LEG.key, 100.0, 100.0, noon_ns + 6 * HOUR_NS),
         ]
     experience = experienced(runs)
-    rush_s = experience.travel(LEG, START_NS).seconds
-    evening_s = experience.travel(LEG, START_NS + 6 * HOUR_NS).seconds
+    rush_s = experience.travel(LEG, "r", START_NS).seconds
+    evening_s = experience.travel(LEG, "r", START_NS + 6 * HOUR_NS).seconds
     assert rush_s > 1.3 * evening_s
 
 
@@ -134,7 +138,7 @@ def test_a_breakdown_teaches_nothing() -> None:
     runs = [drove(LEG.key, 100.0, 100.0, START_NS + run) for run in range(5)]
     broken = drove(LEG.key, 100.0, 3_000.0, START_NS + 9, dwell_s=5_000.0)
     usual, after = experienced(runs), experienced([*runs, broken])
-    assert after.travel(LEG, START_NS) == usual.travel(LEG, START_NS)
+    assert after.travel(LEG, "r", START_NS) == usual.travel(LEG, "r", START_NS)
     assert after.dwell("r|s1", 0.0) == usual.dwell("r|s1", 0.0)
 
 
@@ -144,11 +148,11 @@ def test_a_jam_is_expected_by_who_follows_and_forgotten_within_the_hour() -> Non
     now, later = experienced(usual), experienced(usual)
     now.learn(jam)
     later.learn(jam, is_now=False)
-    soon_s, unaware_s = (each.travel(LEG, START_NS).seconds for each in (now, later))
+    soon_s, unaware_s = (each.travel(LEG, "r", START_NS).seconds for each in (now, later))
     assert soon_s > 1.05 * unaware_s
     hours = START_NS + 2 * HOUR_NS
-    assert now.travel(LEG, hours).seconds == pytest.approx(
-        later.travel(LEG, hours).seconds, rel=0.01
+    assert now.travel(LEG, "r", hours).seconds == pytest.approx(
+        later.travel(LEG, "r", hours).seconds, rel=0.01
     )
 
 
