@@ -28,7 +28,7 @@ def heard_by(node: Node, start_m: float, seconds: int) -> list[Message]:
     return outputs
 
 
-@pytest.mark.parametrize("start_m", [0.0, 3000.0, ring().length_m - 40.0])
+@pytest.mark.parametrize("start_m", [0.0, 3000.0, ring().length_m - 20.0])
 def test_eta_follows_a_vehicle_from_its_second_pose_on(start_m: float) -> None:
     outputs = heard_by(eta_node([ring()], Tuning()), start_m, 30)
     progress = [each for each in outputs if isinstance(each, Progress)]
