@@ -21,6 +21,8 @@ BOARDING_S = 20.0
 """At stops where vehicles wait for their time the plan's dwell is mostly that: late ones board."""
 GOES_BACK_M = 100.0
 """A place this far behind the last served stop is a new trip (or a mistake undone)."""
+SAME_M = 1e-3
+"""Places on different laps that are one are no farther apart: sums of floating point are rounded."""
 
 
 class StopVisits:
@@ -108,5 +110,5 @@ def next_visits_m(route: Route, after_m: float) -> Floats:
     places_m = route.stop_distances_m
     if not route.loop:
         return np.where(places_m > after_m, places_m, math.inf)
-    laps = np.floor((after_m - places_m) / route.length_m) + 1.0
+    laps = np.floor((after_m - places_m + SAME_M) / route.length_m) + 1.0
     return np.asarray(places_m + laps * route.length_m)

@@ -42,6 +42,17 @@ def test_the_next_visit_of_a_loop_is_on_the_next_lap() -> None:
     assert next_visits_m(route, -4.0) == pytest.approx([0.0, 700.0], abs=0.1)
 
 
+def test_a_stop_that_was_reached_on_any_lap_is_not_the_next_one() -> None:
+    """Its place on the lap and the sum of all laps are rounded differently."""
+    line: list[Metres] = [(0, 0), (703.1, 0), (703.1, 499.7), (0, 499.7), (0, 0)]
+    route = route_of(line, stops_m=[237.9, 1850.3])
+    for lap in range(40):
+        reached_m = route.stop_distances_m + lap * route.length_m
+        for stop, place_m in enumerate(reached_m):
+            again_m = next_visits_m(route, float(place_m))[stop]
+            assert again_m == pytest.approx(place_m + route.length_m)
+
+
 def test_a_dwell_runs_down_and_ends_with_driving_on() -> None:
     route = route_of(LINE, stops_m=[500.0], dwell_s=20.0)
     standing = visits(route, (490.0, 5.0), (498.0, 0.0), (499.0, 0.1))
