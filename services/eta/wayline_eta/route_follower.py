@@ -233,7 +233,7 @@ class RouteFollower:
         return Outlook(
             t_ns=at_ns,
             total_m=total_m,
-            served_m=max(self._visits.served_m, total_m),
+            served_m=self._visits.served_by(total_m, self._speed_mps),
             distance_std_m=self._place.along_std_m,
             stand=self._visits.stand(at_ns),
         )

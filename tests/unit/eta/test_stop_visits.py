@@ -25,6 +25,9 @@ def visits(route: Route, *seen: tuple[float, float]) -> StopVisits:
         ([(480.0, 5.0), (485.0, 0.0)], False),  # standing, but not near
         ([(480.0, 5.0), (491.0, 0.0)], True),
         ([(480.0, 5.0), (500.5, 5.0)], True),  # passed
+        ([(490.0, 5.0), (501.5, 3.0)], False),  # behind it, where it may still stand
+        ([(490.0, 5.0), (501.5, 3.0), (503.0, 0.0)], True),
+        ([(490.0, 5.0), (501.5, 3.0), (508.0, 3.0)], True),  # it has not
         ([(480.0, 5.0), (491.0, 0.0), (489.0, 0.0), (493.0, 1.0)], True),  # once and for all
         ([(520.0, 5.0)], True),  # behind at the first sight
         ([(520.0, 5.0), (100.0, 5.0)], False),  # a new trip
