@@ -37,7 +37,10 @@ RATIO_MAX = 20.0
 DWELL_MAX_S = 1_200.0
 DWELL_STD_S = 6.0
 DWELL_RUNS = 1.0
-"""A planned dwell is worth so many that were seen."""
+"""A planned dwell is worth so many that were seen, and so is what all stops of a plan have."""
+LATE_STD_S = 15.0
+"""Of how long after its time a vehicle leaves that waits for it; 0 is worth LATE_RUNS."""
+LATE_RUNS = 1.0
 
 
 class Expected(NamedTuple):
@@ -77,6 +80,8 @@ class Experience:
         self._plan_variance = (TIMETABLE_STD if is_timetable else PLAN_STD) ** 2
         self._travel: defaultdict[tuple[object, ...], Forgetful] = defaultdict(Forgetful)
         self._dwell: defaultdict[str, Forgetful] = defaultdict(Forgetful)
+        self._dwells: defaultdict[str, Forgetful] = defaultdict(Forgetful)
+        """At all stops of each plan."""
         self._now: dict[str, Congestion] = {}
         self._plans: defaultdict[str, Forgetful] = defaultdict(Forgetful)
         """Of all legs of each plan, on earlier runs."""
@@ -88,8 +93,10 @@ class Experience:
 
         What is read back from a database says nothing of the traffic now (`is_now`).
         """
-        if seen.dwell_s <= DWELL_MAX_S:
+        if abs(seen.dwell_s) <= DWELL_MAX_S:
             self._dwell[seen.stop] = self._dwell[seen.stop].with_value(seen.dwell_s)
+            if not is_wait(seen.stop):
+                self._dwells[seen.plan] = self._dwells[seen.plan].with_value(seen.dwell_s)
         if seen.leg is None or not _is_usual(seen):
             return
         ratio = math.log(seen.travel_s / seen.planned_s)
@@ -121,13 +128,21 @@ class Experience:
         mean_s = leg.planned_s * math.exp(usual + skewed)
         return Expected(mean_s, mean_s**2 * math.expm1(variance))
 
-    def dwell(self, stop: str, planned_s: float) -> Expected:
-        """At a stop."""
+    def dwell(self, stop: str, plan: str, planned_s: float) -> Expected:
+        """At a stop; where vehicles wait for their time, of those that are late."""
         known = self._dwell.get(stop, Forgetful())
         prior = max(DWELL_STD_S, 0.5 * planned_s) ** 2
+        if known.weight > 0.0:
+            planned_s = self._dwells[plan].blended(planned_s, DWELL_RUNS)
         mean_s = known.blended(planned_s, DWELL_RUNS)
         unsure = prior * DWELL_RUNS / (known.weight + DWELL_RUNS)
         return Expected(mean_s, known.variance(prior, DWELL_RUNS) + 0.25 * unsure)
+
+    def late(self, wait: str) -> Expected:
+        """How long after its time a vehicle leaves where it waits for it; negative: before it."""
+        known = self._dwell.get(wait, Forgetful())
+        variance = known.variance(LATE_STD_S**2, LATE_RUNS)
+        return Expected(known.blended(0.0, LATE_RUNS), variance)
 
     def is_driven(self, leg: str) -> bool:
         """Whether anybody has taught of a leg."""
@@ -150,6 +165,11 @@ class Experience:
 
     def _known(self, *key: object) -> Forgetful:
         return self._travel.get(key, Forgetful())
+
+
+def is_wait(stop: str) -> bool:
+    """Whether a key is of how late vehicles leave (`legs`), not of how long they stand."""
+    return stop.endswith("|waits")
 
 
 def _is_usual(seen: Taken) -> bool:

@@ -2,10 +2,13 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wayline.messages import StopEvent
 from wayline.route import Route
 from wayline_eta import leg_times
-from wayline_eta.arrivals import Outlook, Visit, predict_visits
+from wayline_eta.arrivals import NORMAL_P90, Outlook, Visit, predict_visits
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.forecasts import Forecast, Forecasts
 from wayline_eta.leg_times import LegTimes
@@ -24,13 +27,20 @@ class Forecaster:
     """Of one vehicle, as long as it follows one route or runs one trip.
 
     `scope` names whose stop ids the route has, `plan` whose times, `sequences` the stops in stop
-    events.
+    events, `leaves_ns` (shape (stops,)) the earliest departures.
     """
 
     def __init__(
-        self, route: Route, lessons: Lessons, *, scope: str, plan: str, sequences: Sequence[int]
+        self,
+        route: Route,
+        lessons: Lessons,
+        *,
+        scope: str,
+        plan: str,
+        sequences: Sequence[int],
+        leaves_ns: NDArray[np.float64] | None = None,
     ) -> None:
-        self._legs, self._lessons, self._plan = Legs(route, scope), lessons, plan
+        self._legs, self._lessons, self._plan = Legs(route, scope, leaves_ns), lessons, plan
         self._times = LegTimes(self._legs, list(sequences))
         self._forecasts = Forecasts()
         self._expected: Expectations | None = None
@@ -69,22 +79,50 @@ class Forecaster:
     def _stand(self, by: Expectations, outlook: Outlook, motion: ExpectedMotion | None) -> Stand:
         """How long it will still stand: at a stop without a time as long as others have stood."""
         stands = self._times.stands(outlook.t_ns)
-        if stands is None or motion is not None or by.dwells_seen[stands[0]] < DWELLS_SEEN:
+        if stands is None:
             return outlook.stand
         stop, stood_s = stands
+        if np.isfinite(self._legs.leaves_ns[stop]):
+            return self._wait(by, outlook, stop)
+        if motion is not None or by.dwells_seen[stop] < DWELLS_SEEN:
+            return outlook.stand
         dwell_s = float(by.dwell_s[stop])
         return goes_on(max(stood_s - dwell_s, 0.0)).at_least(max(dwell_s - stood_s, 0.0))
 
+    def _wait(self, by: Expectations, outlook: Outlook, stop: int) -> Stand:
+        """How long it will still stand where it waits for its time: others leave late, too."""
+        if outlook.stand.left_s <= 0.0:
+            return outlook.stand
+        waits_s = (float(self._legs.leaves_ns[stop]) - outlook.t_ns) * 1e-9
+        if waits_s < 0.0:
+            return outlook.stand
+        std_s = float(by.late_s2[stop]) ** 0.5
+        left_s = max(waits_s + float(by.late_s[stop]), outlook.stand.left_s)
+        return Stand(max(left_s - std_s, 0.0), left_s, left_s + NORMAL_P90 * std_s)
+
+    def _stood(self, driven: leg_times.Taken) -> tuple[str, float]:
+        """What a stand tells of: how long a vehicle stands there, or how late one leaves.
+
+        Who comes long before it may leave tells nothing of boarding.
+        """
+        key, leaves_ns = self._legs.keys[driven.stop], float(self._legs.leaves_ns[driven.stop])
+        early_s = (leaves_ns - driven.arrived_ns) * 1e-9
+        planned_s = self._legs.boarding_s(driven.stop)
+        if early_s <= self._lessons.experience.dwell(key, self._plan, planned_s).seconds:
+            return key, driven.dwell_s
+        return self._legs.waits(driven.stop), driven.dwell_s - early_s
+
     def _learned(self, driven: leg_times.Taken) -> Learned:
         leg, stop = driven.leg, self._legs.keys[driven.stop]
+        stood, stood_s = self._stood(driven)
         taken = Taken(
             t_ns=driven.arrived_ns,
             leg=None if leg is None else leg.key,
             plan=self._plan,
             planned_s=0.0 if leg is None else leg.planned_s,
             travel_s=driven.travel_s,
-            stop=stop,
-            dwell_s=driven.dwell_s,
+            stop=stood,
+            dwell_s=stood_s,
         )
         came = self._forecasts.arrive(driven.stop, driven.arrived_ns)
         return Learned(

@@ -55,6 +55,9 @@ class Expectations(NamedTuple):
     """Its variance."""
     dwell_s: Floats
     dwell_s2: Floats
+    late_s: Floats
+    """How long after its time a vehicle leaves where it waits for it; negative: before it."""
+    late_s2: Floats
     first_factor: float
     """What the way to the first stop takes over what is planned: nobody has measured it."""
     dwells_seen: Floats
@@ -72,18 +75,19 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
     A leg that is begun later is expected as it will be then.
     """
     experience, stops = lessons.experience, legs.route.stops
-    travels, dwells, ahead_s = [], [], 0.0
-    for at, stop in enumerate(stops):
-        leg = legs.to(at)
+    known = [legs.to(at) for at in range(len(stops))]
+    travels, dwells, lates, ahead_s = [], [], [], 0.0
+    for at, leg in enumerate(known):
         expected = Expected(0.0, 0.0)
         if leg is not None:
             expected = experience.travel(leg, plan, t_ns, ahead_s)
         travels.append(expected)
-        dwells.append(experience.dwell(legs.keys[at], stop.dwell_s))
+        dwells.append(experience.dwell(legs.keys[at], plan, legs.boarding_s(at)))
+        lates.append(experience.late(legs.waits(at)))
         ahead_s += expected.seconds + dwells[-1].seconds
-    known = [legs.to(at) for at in range(len(stops))]
     scales = lessons.ranges_of(plan).scales()
     travel_s, travel_s2 = np.array(travels, dtype=np.float64).reshape(-1, 2).T
+    late_s, late_s2 = np.array(lates, dtype=np.float64).reshape(-1, 2).T
     dwell_s, dwell_s2 = np.array(dwells, dtype=np.float64).reshape(-1, 2).T
     return Expectations(
         route=legs.route,
@@ -92,6 +96,8 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
         travel_s2=travel_s2,
         dwell_s=dwell_s,
         dwell_s2=dwell_s2,
+        late_s=late_s,
+        late_s2=late_s2,
         first_factor=math.exp(experience.plan_off(plan, t_ns)),
         dwells_seen=np.array([experience.dwells_seen(key) for key in legs.keys]),
         is_driven=np.array(
@@ -102,10 +108,10 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
     )
 
 
-def as_planned(route: Route) -> Expectations:
-    """By the plan alone, as when nobody has driven yet."""
-    lessons = lessons_by(())
-    return expectations(lessons, Legs(route, route.route_id), route.route_id, 0)
+def as_planned(route: Route, leaves_ns: Floats | None = None) -> Expectations:
+    """By the plan alone, as when nobody has driven yet; `leaves_ns` as in `Legs`."""
+    legs = Legs(route, route.route_id, leaves_ns)
+    return expectations(lessons_by(()), legs, route.route_id, 0)
 
 
 def lessons_by(timetables: Sequence[Timetable]) -> Lessons:

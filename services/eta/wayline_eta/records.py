@@ -17,9 +17,9 @@ class Taken(msgspec.Struct, frozen=True):
     planned_s: float
     travel_s: float
     stop: str
-    """The key of the stop."""
+    """The key of the stop, or of the wait for its time there (`legs`)."""
     dwell_s: float
-    """0 where it passed."""
+    """0 where it passed; of a wait how long after its time it left, negative before it."""
 
 
 class Came(msgspec.Struct, frozen=True):

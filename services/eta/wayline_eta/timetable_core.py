@@ -145,6 +145,7 @@ class TimetableEtaCore:
                 scope=scope,
                 plan=f"{scope}|{run.pattern.route_id}",
                 sequences=run.trip_route.sequences,
+                leaves_ns=run.leaves_ns,
             )
         return self._forecaster
 
