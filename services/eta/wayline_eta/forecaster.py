@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wayline.messages import StopEvent
+from wayline.messages import StopArrival, StopEvent
 from wayline.route import Route
 from wayline_eta import leg_times
-from wayline_eta.arrivals import NORMAL_P90, Outlook, Visit, predict_visits
+from wayline_eta.arrivals import NORMAL_P90, Outlook, Visit, later_of, predict_visits
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.forecasts import Forecast, Forecasts
 from wayline_eta.leg_times import LegTimes
@@ -58,6 +58,21 @@ class Forecaster:
                 width_ns = visit.early_width_ns, visit.late_width_ns
                 self._forecasts.make(visit.stop, Forecast(now_ns, visit.arrival_ns, *width_ns))
         return visits
+
+    def begins(self, comes: StopArrival, departs_ns: int, t_ns: int) -> Stand:
+        """Until it leaves the first stop, of a vehicle that is still to come there from a trip.
+
+        It leaves at its time, as late as others do, or when those have boarded who wait for it.
+        """
+        by = self._expectations(t_ns)
+        comes_s = (comes.arrival_ns - t_ns) * 1e-9 + float(by.dwell_s[0])
+        comes_std_s = (comes.late_ns - comes.early_ns) * 1e-9 / (2.0 * NORMAL_P90)
+        leaves_s = (departs_ns - t_ns) * 1e-9 + float(by.late_s[0])
+        mean_s, variance_s2, _ = later_of(
+            (comes_s, comes_std_s**2 + float(by.dwell_s2[0])), (leaves_s, float(by.late_s2[0]))
+        )
+        wide_s = NORMAL_P90 * variance_s2**0.5
+        return Stand(max(mean_s - wide_s, 0.0), mean_s, mean_s + wide_s)
 
     def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
         """Take what the vehicle did at stops; what that has taught."""
