@@ -8,7 +8,7 @@ import msgspec
 PLACE_DIGITS = 7
 """Of a degree of latitude or longitude: a centimetre."""
 PLACES = frozenset({"lat_deg", "lon_deg", "coordinates"})
-DIGITS = {"m": 2, "mps": 2, "deg": 2, "degps": 3, "pct": 3, "s": 1, "ms": 2, "hz": 2}
+DIGITS = {"m": 2, "mps": 2, "deg": 2, "degps": 3, "pct": 3, "s": 2, "ms": 2, "hz": 2}
 OTHER_DIGITS = 4
 """Of shares, ratios and what has no unit."""
 
