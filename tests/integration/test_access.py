@@ -23,6 +23,9 @@ ZENOH = Path(__file__).parents[2] / "deploy/zenoh"
 WAIT_S = 10.0
 PASSWORDS = {"bus-1": "one", "bus-2": "two", "_services": "three", "_dashboard": "four"}
 
+BY = {"pose": "fusion", "progress": "eta", "arrivals": "eta", "horizon": "slope-map"}
+"""Who publishes a topic."""
+
 Samples = queue.Queue[tuple[str, str]]
 """Key and payload of what arrived."""
 
@@ -83,13 +86,18 @@ class Bus:
         return samples
 
     def put(
-        self, session: zenoh.Session, vehicle_id: str, topic: str, *payloads: str, source: str = "x"
+        self,
+        session: zenoh.Session,
+        vehicle_id: str,
+        topic: str,
+        *payloads: str,
+        source: str | None = None,
     ) -> None:
         """Publish as the services do."""
         publishers = Publishers(session)
         self._held.append(publishers)
         for payload in payloads:
-            publishers.put(vehicle_id, topic, source, payload.encode())
+            publishers.put(vehicle_id, topic, source or BY[topic], payload.encode())
 
     def live(self, session: zenoh.Session, vehicle_id: str, service: str) -> None:
         """Declare a service's liveliness."""
@@ -185,6 +193,24 @@ def test_what_a_vehicle_puts_under_anothers_key_does_not_arrive(bus: Bus) -> Non
     assert heard_own.empty()
 
 
+def test_a_vehicle_says_what_its_sensors_say_and_nothing_that_a_server_works_out(bus: Bus) -> None:
+    server, vehicle = bus.connect("_services"), bus.connect("bus-1")
+    heard = {topic: bus.hear(server, "*", topic) for topic in ("progress", "horizon", "pose")}
+    bus.put(vehicle, "bus-1", "progress", "forged")
+    bus.put(vehicle, "bus-1", "horizon", "forged")
+    vehicle.put(message_key("bus-1", "progress", "fusion"), "forged")
+    bus.put(vehicle, "bus-1", "pose", "forged", source="eta")
+    bus.put(vehicle, "bus-1", "pose", "own")
+    assert arrived(heard["pose"]) == ("bus-1", "own")
+    assert all(samples.empty() for samples in heard.values())
+
+
+def test_a_second_receiver_may_speak(bus: Bus) -> None:
+    heard = bus.hear(bus.connect("_services"), "*", "gps_fix")
+    bus.put(bus.connect("bus-1"), "bus-1", "gps_fix", "second", source="gps-ingest-2")
+    assert arrived(heard) == ("bus-1", "second")
+
+
 def test_a_forged_sample_in_an_answer_does_not_arrive(bus: Bus) -> None:
     """Readers ask caches for history with any key in the answer, so answers are checked too."""
     server, thief = bus.connect("_services"), bus.connect("bus-1")
@@ -227,7 +253,7 @@ def test_lost_samples_are_recovered(tmp_path: Path) -> None:
     publishers = Publishers(bus.connect("bus-1"))
     received: list[str] = []
     for number in range(100):
-        publishers.put("bus-1", "pose", "x", str(number).encode())
+        publishers.put("bus-1", "pose", "fusion", str(number).encode())
         with contextlib.suppress(queue.Empty):
             received.append(heard.get(timeout=0.05)[1])
         if len(received) > 10:

@@ -11,11 +11,11 @@ from unit.slope_map.asking import NOW_NS, asked, client, path_of
 from unit.slope_map.hilly_road import (
     true_grade_pct,
 )
+from wayline.digits import rounded
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
 from wayline.line import Line
 from wayline.rfc3339 import rfc3339
-from wayline.digits import rounded
 from wayline_slope_map.book import SlopeBook
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.questions import POINTS_MAX
