@@ -9,7 +9,7 @@ from fastapi.routing import APIRoute
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from wayline.http_problems import ProblemResponse, problem
+from wayline.http_problems import Problem, ProblemResponse, problem
 from wayline.query_error import QueryError
 
 BODY_MAX_BYTES = 65_536
@@ -119,17 +119,29 @@ def _not_modified(start: Message) -> Message:
 
 
 class BodyLimit:
-    """Refuses a request whose body would be larger than any that is needed."""
+    """Refuses a body that is larger than any that is needed, or whose end is told in two ways."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass on, or answer 413."""
-        if scope["type"] == "http":
-            length = Headers(scope=scope).get("content-length", "0")
-            if length.isdecimal() and int(length) > BODY_MAX_BYTES:
-                detail = f"the body may have {BODY_MAX_BYTES} bytes"
-                await ProblemResponse(problem(413, detail, scope["path"]))(scope, receive, send)
-                return
-        await self.app(scope, receive, send)
+        """Pass on, or answer 400 or 413 and close the connection."""
+        refused = _refused_body(scope) if scope["type"] == "http" else None
+        if refused is None:
+            await self.app(scope, receive, send)
+        else:
+            response = ProblemResponse(refused, {"connection": "close"})
+            await response(scope, receive, send)
+
+
+def _refused_body(scope: Scope) -> Problem | None:
+    headers = Headers(scope=scope)
+    length = headers.get("content-length")
+    if length is None:
+        return None
+    if "transfer-encoding" in headers:
+        # what one reader takes for this request's body another takes for the next request
+        return problem(400, "has Content-Length and Transfer-Encoding", scope["path"])
+    if int(length) > BODY_MAX_BYTES:
+        return problem(413, f"the body may have {BODY_MAX_BYTES} bytes", scope["path"])
+    return None

@@ -15,7 +15,7 @@ Token = Annotated[str, Meta(pattern=r"^[!-~]+$")]
 
 
 Sha256 = Annotated[str, Meta(pattern=r"^[0-9a-f]{64}$")]
-Origin = Annotated[str, Meta(pattern=r"^https?://[^/\\s*]+$")]
+Origin = Annotated[str, Meta(pattern=r"^https?://[^/\s*]+$")]
 """What a browser sends as a page's origin: scheme, host and port, without a path."""
 ScopeName = Literal["public", "read", "write"]
 

@@ -173,6 +173,15 @@ def test_the_right_password_opens_a_session(bus: Bus) -> None:
     assert arrived(heard) == ("bus-1", "1")
 
 
+def test_sockets_that_say_nothing_keep_nobody_out(bus: Bus) -> None:
+    heard = bus.hear(bus.connect("_services"), "*", "pose")
+    with contextlib.ExitStack() as stack:
+        for _ in range(300):
+            stack.enter_context(socket.create_connection(("127.0.0.1", bus.port), timeout=WAIT_S))
+        bus.put(bus.connect("bus-1"), "bus-1", "pose", "1")
+        assert arrived(heard) == ("bus-1", "1")
+
+
 def test_the_server_hears_every_vehicle(bus: Bus) -> None:
     heard = bus.hear(bus.connect("_services"), "*", "pose")
     bus.put(bus.connect("bus-1"), "bus-1", "pose", "1")

@@ -1,4 +1,4 @@
-"""Mutual TLS with real sessions: a certificate says who a vehicle is, its password is not enough."""
+"""Mutual TLS with real sessions: who a vehicle is, its certificate says, not its password alone."""
 
 import datetime as dt
 import json
