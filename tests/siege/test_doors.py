@@ -2,6 +2,7 @@
 
 import base64
 import contextlib
+import functools
 import hashlib
 import http.client
 import json
@@ -41,7 +42,7 @@ def system(tmp_path_factory: pytest.TempPathFactory) -> Iterator[LocalSystem]:
         system.start_router()
         for service in SERVICES:
             system.start(service)
-            await_true(lambda service=service: is_alive(system, service), f"{service} is alive")
+            await_true(functools.partial(is_alive, system, service), f"{service} is alive")
         yield system
 
 
@@ -109,7 +110,7 @@ def encoded(token: str) -> str:
     return base64.urlsafe_b64encode(token.encode()).decode().rstrip("=")
 
 
-FORGED = (
+FORGED: tuple[dict[str, str], ...] = (
     {},
     {"authorization": ""},
     {"authorization": "Bearer"},
