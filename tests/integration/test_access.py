@@ -5,6 +5,7 @@ that is there, the forbidden one would have been.
 """
 
 import contextlib
+import itertools
 import json
 import queue
 import socket
@@ -18,6 +19,7 @@ import zenoh
 from wayline.bus import Publishers, Subscription, client_config
 from wayline.keys import FLEET, alive_key, message_key, query_key
 from wayline.settings import BusSettings
+from wayline_cli.access import access_control
 
 ZENOH = Path(__file__).parents[2] / "deploy/zenoh"
 WAIT_S = 10.0
@@ -49,6 +51,12 @@ class Bus:
         for key, value in entries.items():
             config.insert_json5(key, json.dumps(value))
         self._sessions.append(zenoh.open(config))
+
+    def restart_router(self, name: str, **entries: object) -> None:
+        """End the first router and start it anew, as for another vehicle."""
+        self._sessions.pop(0).close()  # type: ignore[no-untyped-call]
+        self.start_router(name, self.port, **entries)
+        self._sessions.insert(0, self._sessions.pop())
 
     def connect(
         self, user: str | None, password: str | None = None, port: int | None = None
@@ -269,6 +277,26 @@ def test_lost_samples_are_recovered(tmp_path: Path) -> None:
             break
     bus.close()
     assert received == [str(number) for number in range(11)]
+
+
+def test_a_restart_for_another_vehicle_loses_nothing(bus: Bus) -> None:
+    heard = bus.hear(bus.connect("_services"), "bus-1", "pose")
+    publishers, count = Publishers(bus.connect("bus-1")), itertools.count()
+
+    def drive(seconds: float) -> None:
+        for _ in range(round(10.0 * seconds)):
+            publishers.put("bus-1", "pose", "fusion", str(next(count)).encode())
+            time.sleep(0.1)
+
+    drive(1.0)
+    bus.users.write_text(bus.users.read_text() + "tram-7:five\n")
+    bus.restart_router("server.json5", access_control=access_control(["bus-1", "bus-2", "tram-7"]))
+    drive(3.0)
+    received: list[str] = []
+    while len(received) < 40:
+        received.append(arrived(heard)[1])
+    assert received == [str(number) for number in range(40)]
+    bus.connect("tram-7", "five")
 
 
 def test_liveliness_is_seen_and_not_forged(bus: Bus) -> None:
