@@ -184,8 +184,13 @@ class SafeHeaders:
         await self.app(scope, receive, send_safe if scope["type"] == "http" else send)
 
 
+def _probed() -> dict[int | str, dict[str, Any]]:
+    lacking = answers(Healthz, "What is missing, or does not work")[200]
+    return {**answers(Healthz), 503: lacking}
+
+
 def _add_health(app: FastAPI, healthz: Callable[[], Healthz]) -> None:
-    @app.get("/livez", responses=answers(Healthz), tags=["service"])
+    @app.get("/livez", responses=_probed(), tags=["service"])
     def live() -> JsonAnswer:
         """Whether the process turns: 200, or 503 where it has to be started anew."""
         report = healthz()
@@ -193,13 +198,13 @@ def _add_health(app: FastAPI, healthz: Callable[[], Healthz]) -> None:
         alive = replace(report, ok=report.alive, detail=detail, missing=(), health=None)
         return JsonAnswer(alive, 200 if alive.ok else 503)
 
-    @app.get("/readyz", responses=answers(Healthz), tags=["service"])
+    @app.get("/readyz", responses=_probed(), tags=["service"])
     def ready() -> JsonAnswer:
         """Whether the router and the inputs are there: 200, or 503 with what is missing."""
         report = replace(healthz(), health=None)
         return JsonAnswer(report, 200 if report.ok else 503)
 
-    @app.get("/healthz", responses=answers(Healthz), tags=["service"])
+    @app.get("/healthz", responses=_probed(), tags=["service"])
     def health() -> JsonAnswer:
         """What /readyz says, with the last `health` message."""
         report = healthz()
