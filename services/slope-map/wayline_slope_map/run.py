@@ -7,6 +7,7 @@ import numpy as np
 
 from wayline.line import Floats
 from wayline.tuning import Tuning
+from wayline_slope_map.altitude_lag import lag_s
 from wayline_slope_map.altitudes import Measured, barometer_altitudes, gps_altitudes
 from wayline_slope_map.records import FinishedRun, RunBin, Sensor
 from wayline_slope_map.roads import Road
@@ -17,6 +18,8 @@ from wayline_slope_map.track import Track
 
 NONE = np.empty(0)
 NOTHING = Measured(NONE, NONE, NONE, NONE, np.empty(0, dtype=np.intp))
+REFERENCE_STEP_M = 20.0
+"""Between the altitudes by the other sensors that a receiver's are compared with."""
 STEEPEST_PCT = 50.0
 """No road is steeper; keeps a bad run out and the sums inside 64 bits."""
 
@@ -61,10 +64,11 @@ def _smoothed_by_sensor(
 ) -> dict[Sensor, Smoothed]:
     """The run by all sensors that are to be used, and by each alone (papers/004 eq. 5.16)."""
     used = tuning.vertical_sensors
-    gps = gps_altitudes(track, tuning) if "gps" in used else NOTHING
     barometer = barometer_altitudes(track, tuning) if "barometer" in used else NOTHING
-    times_s = track.seconds_at(travelled_m)
     slopes = run_slopes(track, tuning)
+    beside = Sensed(NOTHING, barometer, slopes["both"])
+    gps = _prompt(track, gps_altitudes(track, tuning), beside, tuning) if "gps" in used else NOTHING
+    times_s = track.seconds_at(travelled_m)
     choices: dict[Sensor, Sensed] = {
         "fused": Sensed(gps, barometer, slopes["both"]),
         "gps": Sensed(gps, NOTHING, NO_SLOPES),
@@ -78,6 +82,24 @@ def _smoothed_by_sensor(
         if smoothed is not None:
             sensors[sensor] = smoothed
     return sensors
+
+
+def _prompt(track: Track, gps: Measured, beside: Sensed, tuning: Tuning) -> Measured:
+    """Altitudes of receivers at the instants that they are of, as the other sensors tell them."""
+    travelled_m = np.arange(track.travelled_m[0], track.travelled_m[-1], REFERENCE_STEP_M)
+    smoothed = smooth(beside, track.seconds_at(travelled_m), travelled_m, tuning, passes=1)
+    if smoothed is None:
+        return gps
+    alt_m = smoothed.alt_m
+
+    def heights(times_s: Floats) -> Floats:
+        return np.interp(track.travelled_at(times_s), travelled_m, alt_m)
+
+    times_s = gps.times_s.copy()
+    for receiver in np.unique(gps.receiver):
+        its = gps.receiver == receiver
+        times_s[its] -= lag_s(gps.times_s[its], gps.alt_m[its], heights)
+    return gps._replace(times_s=times_s, travelled_m=track.travelled_at(times_s))
 
 
 def _bins(

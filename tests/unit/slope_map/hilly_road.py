@@ -63,12 +63,13 @@ def drive(
     barometer: bool = True,
     barometer_step_pa: float = 5.0,
     gps_std_m: float = 4.0,
+    gps_lag_s: float = 0.0,
 ) -> list[msgspec.Struct]:
     """Messages as slope-map hears them, in order of arrival; fixes come 0.3 s late.
 
     The GPS altitude errs by a Gauss-Markov process (80 s) and 0.3 m white, the barometer by an
     offset, a random walk and 0.4 m white. `grade_of` maps the distance along the path to the
-    one that the altitude is taken at (for a ring).
+    one that the altitude is taken at (for a ring). GPS altitudes are the road's of `gps_lag_s` ago.
     """
     rng = np.random.default_rng(seed)
     times_s = np.arange(0.0, length_m / speed_mps, 0.1)
@@ -77,7 +78,8 @@ def drive(
     lat_deg, lon_deg, heading_deg = _placed(path, along_m, backwards=backwards)
     wander_m = rng.normal(0.0, 1.0, 2) * (0.2, 0.2)
     alt_m = true_alt_m(grade_of(along_m))
-    gps_m = alt_m[::10] + _gauss_markov(rng, len(times_s[::10]), gps_std_m, 80.0)
+    late_m = np.interp(times_s - gps_lag_s, times_s, alt_m)
+    gps_m = late_m[::10] + _gauss_markov(rng, len(times_s[::10]), gps_std_m, 80.0)
     gps_m += rng.normal(0.0, 0.3, len(gps_m))
     pressure_pa = _pressures_pa(rng, alt_m[::10], barometer_step_pa)
     messages: list[msgspec.Struct] = []
