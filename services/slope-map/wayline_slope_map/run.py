@@ -9,7 +9,7 @@ from wayline.line import Floats
 from wayline.tuning import Tuning
 from wayline_slope_map.altitude_lag import lag_s
 from wayline_slope_map.altitudes import Measured, barometer_altitudes, gps_altitudes
-from wayline_slope_map.records import FinishedRun, RunBin, Sensor
+from wayline_slope_map.records import DrivenRun, FinishedRun, RunBin, Sensor
 from wayline_slope_map.roads import Road
 from wayline_slope_map.slopes import NO_SLOPES, run_slopes
 from wayline_slope_map.smoothing import Sensed, Smoothed, smooth
@@ -24,22 +24,28 @@ STEEPEST_PCT = 50.0
 """No road is steeper; keeps a bad run out and the sums inside 64 bits."""
 
 
-def finished_runs(
+def driven_run(
     track: Track, vehicle_id: str, roads: Mapping[str, Road], tuning: Tuning
-) -> list[FinishedRun]:
-    """The runs of a track over known and new roads, in order of time."""
-    if len(track.places) < 2:
-        return []
-    stretches = cut(track.places, roads, tuning.map_bin_m)
-    passed = [stretch.bins() for stretch in stretches]
-    if not any(indices for indices, _ in passed):
-        return []
+) -> DrivenRun | None:
+    """A finished track cut into stretches of known and new roads; None where it tells nothing."""
+    if len(track.places) < 2 or not track.tells_heights:
+        return None
+    stretches = tuple(cut(track.places, roads, tuning.map_bin_m))
+    if not any(indices for indices, _ in (stretch.bins() for stretch in stretches)):
+        return None
+    return DrivenRun(vehicle_id=vehicle_id, track=track, stretches=stretches, tuning=tuning)
+
+
+def smoothed_runs(driven: DrivenRun) -> list[FinishedRun]:
+    """What a run says of each of its stretches, in order of time."""
+    track, tuning = driven.track, driven.tuning
+    passed = [stretch.bins() for stretch in driven.stretches]
     sizes = [len(indices) for indices, _ in passed]
     travelled_m = np.concatenate([distances_m for _, distances_m in passed])
     sensors = _smoothed_by_sensor(track, travelled_m, tuning)
     ends = np.cumsum(sizes).tolist()
     runs = []
-    for stretch, (indices, _), end in zip(stretches, passed, ends, strict=True):
+    for stretch, (indices, _), end in zip(driven.stretches, passed, ends, strict=True):
         bins = [
             run_bin
             for sensor, smoothed in sensors.items()
@@ -48,7 +54,7 @@ def finished_runs(
         if bins:
             runs.append(
                 FinishedRun(
-                    vehicle_id=vehicle_id,
+                    vehicle_id=driven.vehicle_id,
                     road=stretch.road,
                     direction=1 if stretch.direction > 0 else -1,
                     start_ns=stretch.start_ns,

@@ -14,7 +14,8 @@ from wayline.tuning import Tuning
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.profile import RoadProfile
-from wayline_slope_map.records import FinishedRun
+from wayline_slope_map.records import DrivenRun, FinishedRun
+from wayline_slope_map.run import smoothed_runs
 
 Floats = NDArray[np.float64]
 
@@ -127,10 +128,15 @@ def core(
     return SlopeMapCore(roads, tuning, "car")
 
 
-def runs_of(core: SlopeMapCore, messages: Sequence[msgspec.Struct]) -> list[FinishedRun]:
-    """The finished runs that a core makes of messages."""
+def driven_of(core: SlopeMapCore, messages: Sequence[msgspec.Struct]) -> list[DrivenRun]:
+    """The driven runs that a core makes of messages."""
     outputs = [output for message in messages for output in core.handle(message, "test")]
-    return [output for output in outputs if isinstance(output, FinishedRun)]
+    return [output for output in outputs if isinstance(output, DrivenRun)]
+
+
+def runs_of(core: SlopeMapCore, messages: Sequence[msgspec.Struct]) -> list[FinishedRun]:
+    """What a core's driven runs come to."""
+    return [run for driven in driven_of(core, messages) for run in smoothed_runs(driven)]
 
 
 def _placed(
