@@ -2,8 +2,9 @@
 
 from rich.table import Table
 
+from wayline_eta.scores import SpanScore
 from wayline_evaluation.drive_table import drive_table, number, percent
-from wayline_evaluation.eta import EtaReport, EtaScore, SpanScore
+from wayline_evaluation.eta import EtaReport, EtaScore
 
 COLUMNS = (
     "ahead\nmin",

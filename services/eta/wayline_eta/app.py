@@ -15,6 +15,7 @@ from wayline.route import Route
 from wayline.route_file import route_features
 from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
+from wayline_eta.accuracy import Accuracy, AccuracyAnswer, AccuracyParameters
 from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
 from wayline_eta.board import (
     ArrivalsParameters,
@@ -39,6 +40,7 @@ def create_eta_app(
     settings: HttpSettings,
     *,
     timetables: Iterable[Timetable] = (),
+    accuracy: Accuracy | None = None,
     healthz: Callable[[], Healthz] | None = None,
     registry: CollectorRegistry | None = None,
 ) -> FastAPI:
@@ -58,6 +60,7 @@ def create_eta_app(
             VehicleList,
             ArrivalList,
             StopList,
+            AccuracyAnswer,
         ),
     )
     known_routes = tuple(routes)
@@ -66,6 +69,7 @@ def create_eta_app(
     _add_routes(app, known_routes, TimetableAnswers(Runs(feeds)))
     _add_vehicles(app, board)
     _add_stops(app, board, StopDirectory(known_routes, feeds))
+    _add_accuracy(app, accuracy or Accuracy())
     return app
 
 
@@ -156,3 +160,18 @@ def _add_stops(app: FastAPI, board: EtaBoard, stops: StopDirectory) -> None:
             raise QueryError(404, f"no route has a stop {stop_id}; /v1/stops lists them")
         asked = read_parameters(request.query_params, StopArrivalsParameters)
         return JsonAnswer(board.stop_arrivals(stop_id, asked))
+
+
+def _add_accuracy(app: FastAPI, accuracy: Accuracy) -> None:
+    # no coroutine: many routes and days take a while to add up
+
+    @app.get(
+        "/v1/accuracy",
+        responses=answers(AccuracyAnswer),
+        openapi_extra=describe_parameters(AccuracyParameters),
+        tags=["accuracy"],
+    )
+    def accuracy_answer(request: Request) -> JsonAnswer:
+        """How good predictions were, by minutes ahead: once a minute, against what came."""
+        asked = read_parameters(request.query_params, AccuracyParameters)
+        return JsonAnswer(accuracy.answer(asked))

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import msgspec
 
-from wayline.core import Record, Sleep, Store
+from wayline.core import Core, Record, Sleep, Store
 from wayline.inputs import Tick
 from wayline.messages import Arrivals, GpsFix, Message, Pose, StopArrival, StopEvent
 from wayline.node import Node
@@ -15,9 +15,9 @@ from wayline_eta.arrivals import predict_visits, told_arrivals
 from wayline_eta.fix_follower import FixFollower
 from wayline_eta.forecaster import Forecaster
 from wayline_eta.lessons import Expectations, Lessons, as_planned, lessons_by
-from wayline_eta.records import Learned
 from wayline_eta.route_choice import RouteChoice
 from wayline_eta.route_follower import RouteFollower
+from wayline_eta.scored_core import ScoredCore
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.stop_events import StopEvents, of_route
 from wayline_eta.trip_arrivals import before_the_fork
@@ -99,7 +99,10 @@ def eta_node(
 
     The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
-    core = make_eta_core(routes, tuning, lessons)
+    lessons = lessons or lessons_by(())
+    core: Core = make_eta_core(routes, tuning, lessons)
+    if isinstance(core, EtaCore):
+        core = ScoredCore(core, lessons.scored)
     return Node("eta", core, store, timeless=frozenset({GpsFix}))
 
 
@@ -127,7 +130,7 @@ class OnRoutes:
             if sighting.reported:
                 self._follow(sighting)
 
-    def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
+    def learn(self, happened: Sequence[StopEvent]) -> Sequence[Record]:
         """What the vehicle has taught by what it did at the stops of its route, once it is sure."""
         current = self._choice.current
         if current is None or self._choice.rivals:

@@ -24,6 +24,7 @@ from wayline_eta import stop_events, trip_arrivals
 from wayline_eta.forecaster import Forecaster
 from wayline_eta.lessons import Lessons, lessons_by
 from wayline_eta.records import Learned
+from wayline_eta.scored_core import ScoredCore
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.stop_events import StopEvents
 from wayline_eta.trip_choice import TripChoice
@@ -45,7 +46,8 @@ def timetable_node(
 
     The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
-    core = TimetableEtaCore(runs, tuning, assignment, lessons)
+    lessons = lessons or lessons_by(runs.feeds)
+    core = ScoredCore(TimetableEtaCore(runs, tuning, assignment, lessons), lessons.scored)
     return Node("eta", core, store, timeless=frozenset({GpsFix}))
 
 
