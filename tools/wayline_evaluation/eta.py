@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from wayline.messages import Arrivals, StopEvent
 from wayline_eta.scores import Prediction, Score, Sums, added, score_of, sums_of
+from wayline_evaluation.eta_trials import CAME, StopErrors, Trial, TrialErrors, by_stop
 
-CAME = ("arrived", "passed")
 GHOST_S = 600.0
 """An arrival that was due so long before the end, and has not come by then, never does."""
 
@@ -28,11 +28,26 @@ class EtaScore(Score, frozen=True, kw_only=True):
     drive: str
 
 
+class LapScore(msgspec.Struct, frozen=True, kw_only=True):
+    """What was told during one lap or trip, of any stop."""
+
+    trial: str
+    count: int
+    mean_absolute_s: float
+    held_share: float
+
+
 class EtaReport(msgspec.Struct, frozen=True, kw_only=True):
     """What `wayline evaluate eta --json` writes."""
 
     scores: tuple[EtaScore, ...]
     pooled: EtaScore
+    trials: tuple[TrialErrors, ...]
+    """Tables 2 and 4 of papers/000."""
+    stops: tuple[StopErrors, ...]
+    """Its table 3."""
+    laps: tuple[LapScore, ...]
+    """In their order: whether predictions grow better."""
 
 
 class EtaRun(NamedTuple):
@@ -43,6 +58,8 @@ class EtaRun(NamedTuple):
     arrivals: int
     told_seconds: int
     seconds: int
+    trials: Sequence[TrialErrors] = ()
+    laps: Sequence[LapScore] = ()
 
 
 def predictions_of(told: Iterable[Arrivals], events: Sequence[StopEvent]) -> list[Prediction]:
@@ -89,6 +106,32 @@ def scored(run: EtaRun) -> EtaScore:
 def pooled(runs: Sequence[EtaRun]) -> EtaScore:
     """Figures of all drives together."""
     return _named("all", added(map(_sums, runs)))
+
+
+def report_of(runs: Sequence[EtaRun]) -> EtaReport:
+    """What all drives say."""
+    trials = [trial for run in runs for trial in run.trials]
+    return EtaReport(
+        scores=tuple(map(scored, runs)),
+        pooled=pooled(runs),
+        trials=tuple(trials),
+        stops=tuple(by_stop(trials)),
+        laps=tuple(lap for run in runs for lap in run.laps),
+    )
+
+
+def lap_score(trial: Trial, told: Sequence[Arrivals], events: Sequence[StopEvent]) -> LapScore:
+    """How good was what was told from a trial's first stop to its end."""
+    begin_ns, end_ns = trial.before[0].t_ns, trial.end.t_ns
+    predictions = predictions_of([one for one in told if begin_ns <= one.t_ns < end_ns], events)
+    spans = sums_of(predictions).spans
+    count = sum(span.count for span in spans)
+    return LapScore(
+        trial=trial.name,
+        count=count,
+        mean_absolute_s=sum(span.absolute_s for span in spans) / max(count, 1),
+        held_share=sum(span.held for span in spans) / max(count, 1),
+    )
 
 
 def _sums(run: EtaRun) -> Sums:

@@ -170,8 +170,13 @@ def _in_bounds(errors_s: Floats, bounds_min: tuple[float, float]) -> Flags:
     return np.asarray((errors_s >= 60.0 * low_min) & (errors_s <= 60.0 * high_min))
 
 
+def cal_itp_bounds_s(ahead_min: Floats) -> tuple[Floats, Floats]:
+    """How early and how late a vehicle may be that was told to come in so many minutes."""
+    return -60.0 * np.log(ahead_min + 1.3), 60.0 * np.log(ahead_min + 1.5)
+
+
 def _in_cal_itp(errors_s: Floats, ahead_min: Floats) -> Flags:
-    earliest_s, latest_s = -60.0 * np.log(ahead_min + 1.3), 60.0 * np.log(ahead_min + 1.5)
+    earliest_s, latest_s = cal_itp_bounds_s(ahead_min)
     return np.asarray((errors_s > earliest_s) & (errors_s < latest_s))
 
 
