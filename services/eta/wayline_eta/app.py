@@ -1,9 +1,10 @@
 """Eta's HTTP: routes, vehicles and their arrivals (SPEC section 5)."""
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 from urllib.parse import quote
 
-from fastapi import FastAPI, Request
+from fastapi import FastAPI, Request, Response
 from prometheus_client import CollectorRegistry
 
 from wayline.geojson import FeatureCollection
@@ -22,6 +23,13 @@ from wayline_eta.board import (
     EtaBoard,
     StopArrivalsParameters,
     answer_arrivals,
+)
+from wayline_eta.realtime_feeds import (
+    MEDIA_TYPES,
+    FeedParameters,
+    RealtimeFeed,
+    positions_feed,
+    updates_feed,
 )
 from wayline_eta.stop_directory import StopDirectory, StopList, StopsParameters
 from wayline_eta.timetable_answers import (
@@ -70,6 +78,8 @@ def create_eta_app(
     _add_vehicles(app, board)
     _add_stops(app, board, StopDirectory(known_routes, feeds))
     _add_accuracy(app, accuracy or Accuracy())
+    _add_feed(app, "vehicle-positions", positions_feed(board))
+    _add_feed(app, "trip-updates", updates_feed(board))
     return app
 
 
@@ -175,3 +185,21 @@ def _add_accuracy(app: FastAPI, accuracy: Accuracy) -> None:
         """How good predictions were, by minutes ahead: once a minute, against what came."""
         asked = read_parameters(request.query_params, AccuracyParameters)
         return JsonAnswer(accuracy.answer(asked))
+
+
+def _add_feed(app: FastAPI, name: str, feed: RealtimeFeed) -> None:
+    described: dict[int | str, dict[str, Any]] = {
+        200: {"description": "FeedMessage", "content": {kind: {} for kind in MEDIA_TYPES.values()}}
+    }
+
+    @app.get(
+        f"/gtfs-rt/{name}",
+        responses=described,
+        openapi_extra=describe_parameters(FeedParameters),
+        tags=["gtfs-realtime"],
+        name=name,
+    )
+    def realtime_feed(request: Request) -> Response:
+        """GTFS-Realtime 2.0, as protobuf or as JSON; made anew once a second."""
+        asked = read_parameters(request.query_params, FeedParameters)
+        return Response(feed.bytes_of(asked.format), media_type=MEDIA_TYPES[asked.format])

@@ -75,7 +75,7 @@ class EtaBoard:
         self._vehicles: dict[str, Known] = {}
 
     def put(self, vehicle_id: str, message: Message, source: str, receipt: Receipt) -> None:
-        """Take a message of a vehicle: Pose, GpsFix, Progress or Arrivals; others are ignored."""
+        """Take a message of a vehicle; those that `Known` does not keep are ignored."""
         with self._lock:
             known = self._vehicles.get(vehicle_id, Known())
             now = known.with_message(message, source, receipt)
@@ -99,7 +99,7 @@ class EtaBoard:
 
     def vehicles(self) -> VehicleList:
         """All vehicles by id."""
-        vehicles, now_ns = self._look_at_all()
+        vehicles, now_ns = self.look_at_all()
         answers = (vehicle_answer(name, vehicles[name], now_ns) for name in sorted(vehicles))
         return VehicleList(tuple(answers))
 
@@ -115,7 +115,7 @@ class EtaBoard:
         self, stop_id: str, asked: StopArrivalsParameters = EVERYTHING
     ) -> ArrivalList:
         """The next arrival of every vehicle at a stop, soonest first."""
-        vehicles, now_ns = self._look_at_all()
+        vehicles, now_ns = self.look_at_all()
         found = [
             at
             for vehicle_id, known in vehicles.items()
@@ -131,7 +131,8 @@ class EtaBoard:
             raise QueryError(404, f"no vehicle {vehicle_id} was heard; /v1/vehicles lists them")
         return known, now_ns
 
-    def _look_at_all(self) -> tuple[dict[str, Known], int]:
+    def look_at_all(self) -> tuple[dict[str, Known], int]:
+        """All vehicles by id, and the instant of the receipts' clock that this is of."""
         with self._lock:
             return dict(self._vehicles), self._clock_ns()
 

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import msgspec
 
-from wayline.core import Core, Record, Sleep, Store
+from wayline.core import Record, Sleep, Store
 from wayline.inputs import Tick
 from wayline.messages import Arrivals, GpsFix, Message, Pose, StopArrival, StopEvent
 from wayline.node import Node
@@ -17,7 +17,7 @@ from wayline_eta.forecaster import Forecaster
 from wayline_eta.lessons import Expectations, Lessons, as_planned, lessons_by
 from wayline_eta.route_choice import RouteChoice
 from wayline_eta.route_follower import RouteFollower
-from wayline_eta.scored_core import ScoredCore
+from wayline_eta.scoring import Scoring
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.stop_events import StopEvents, of_route
 from wayline_eta.trip_arrivals import before_the_fork
@@ -38,11 +38,16 @@ class EtaCore:
     def __init__(
         self, routes: Sequence[Route], tuning: Tuning, lessons: Lessons | None = None
     ) -> None:
+        lessons = lessons or lessons_by(())
         self._sightings = Sightings(tuning)
-        self._on_routes = OnRoutes(routes, tuning, self._sightings, lessons or lessons_by(()))
+        self._on_routes = OnRoutes(routes, tuning, self._sightings, lessons)
+        self._scoring = Scoring(lessons.scored)
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
-        """Take a pose, a fix or a tick; anything else is not read."""
+        """Take a pose, a fix, a tick or the end; anything else is not read."""
+        return self._scoring.add_to(self._say(message, source), message)
+
+    def _say(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         if isinstance(message, GpsFix):
             self._sightings.take_fix(message, source)
         elif isinstance(message, Pose):
@@ -99,10 +104,7 @@ def eta_node(
 
     The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
-    lessons = lessons or lessons_by(())
-    core: Core = make_eta_core(routes, tuning, lessons)
-    if isinstance(core, EtaCore):
-        core = ScoredCore(core, lessons.scored)
+    core = make_eta_core(routes, tuning, lessons)
     return Node("eta", core, store, timeless=frozenset({GpsFix}))
 
 

@@ -1,33 +1,27 @@
-"""Pure: a core whose predictions are remembered, and scored once the vehicle has come."""
+"""Pure: predictions of a core, remembered as it says them, and scored once they have come."""
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import ClassVar
 
 import msgspec
 
-from wayline.core import Core, Record, Sleep
+from wayline.core import Record, Sleep
 from wayline.inputs import Flush, Tick
-from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopEvent
+from wayline.messages import Arrivals, Message, Progress, StopEvent
 from wayline_eta.promises import EVERY_NS, Promises
 from wayline_eta.records import Scored
 
 
-class ScoredCore:
-    """Says what its core says, and once a minute how good that was; `scored` is told of it too.
+class Scoring:
+    """Of what a core says of one vehicle once a second; `tell` is told of the scores too."""
 
-    The core tells arrivals once a second.
-    """
-
-    reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
-    period_ns: ClassVar[int | None] = 1_000_000_000
-
-    def __init__(self, core: Core, scored: Callable[[Scored], None]) -> None:
-        self._core, self._tell = core, scored
+    def __init__(self, tell: Callable[[Scored], None]) -> None:
+        self._tell = tell
         self._promises = Promises()
 
-    def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
-        """Hand the input on; what the core says of it, with scores."""
-        said = self._core.handle(message, source)
+    def add_to(
+        self, said: Sequence[Message | Record | Sleep], message: msgspec.Struct
+    ) -> Sequence[Message | Record | Sleep]:
+        """What was said to an input; at a whole minute and at the end with how good that was."""
         self._note(said)
         match message:
             case Flush(t_ns):
