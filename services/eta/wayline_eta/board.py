@@ -70,7 +70,7 @@ class EtaBoard:
     reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
 
     def __init__(self, clock_ns: Clock = time.monotonic_ns) -> None:
-        self._clock_ns = clock_ns
+        self.clock_ns = clock_ns
         self._lock = threading.Lock()
         self._vehicles: dict[str, Known] = {}
 
@@ -111,6 +111,13 @@ class EtaBoard:
         known, now_ns = self._look(vehicle_id)
         return soonest_first(arrival_answers(vehicle_id, known, now_ns, stop_id))
 
+    def told_of(self, vehicle_id: str) -> tuple[int, int] | None:
+        """What a vehicle's arrivals rest on now: their instant, and that of their receipt."""
+        with self._lock:
+            known = self._vehicles.get(vehicle_id, Known())
+        told = known.arrivals
+        return None if told is None else (told.message.t_ns, told.receipt.at_ns)
+
     def stop_arrivals(
         self, stop_id: str, asked: StopArrivalsParameters = EVERYTHING
     ) -> ArrivalList:
@@ -126,7 +133,7 @@ class EtaBoard:
 
     def _look(self, vehicle_id: str) -> tuple[Known, int]:
         with self._lock:
-            known, now_ns = self._vehicles.get(vehicle_id), self._clock_ns()
+            known, now_ns = self._vehicles.get(vehicle_id), self.clock_ns()
         if known is None:
             raise QueryError(404, f"no vehicle {vehicle_id} was heard; /v1/vehicles lists them")
         return known, now_ns
@@ -134,7 +141,7 @@ class EtaBoard:
     def look_at_all(self) -> tuple[dict[str, Known], int]:
         """All vehicles by id, and the instant of the receipts' clock that this is of."""
         with self._lock:
-            return dict(self._vehicles), self._clock_ns()
+            return dict(self._vehicles), self.clock_ns()
 
 
 def answer_arrivals(
