@@ -5,8 +5,10 @@ from typing import Any
 from urllib.parse import quote
 
 from fastapi import FastAPI, Request, Response
+from fastapi.routing import APIRoute
 from fastapi.sse import EventSourceResponse
 from prometheus_client import CollectorRegistry
+from starlette.routing import BaseRoute
 
 from wayline.geojson import FeatureCollection
 from wayline.http import Healthz, JsonAnswer, answers, create_service_app
@@ -89,7 +91,13 @@ def create_eta_app(
     _add_accuracy(app, accuracy or Accuracy())
     _add_feed(app, "vehicle-positions", positions_feed(board))
     _add_feed(app, "trip-updates", updates_feed(board))
+    # paths are tried in their order, and these are asked for far more often than all others
+    app.router.routes.sort(key=_is_asked_seldom)
     return app
+
+
+def _is_asked_seldom(route: BaseRoute) -> bool:
+    return not (isinstance(route, APIRoute) and route.path.endswith("/arrivals"))
 
 
 def _add_routes(app: FastAPI, routes: Sequence[Route], timetables: TimetableAnswers) -> None:
