@@ -11,7 +11,7 @@ from prometheus_client import CollectorRegistry
 from starlette.routing import BaseRoute
 
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, answers, create_service_app
+from wayline.http import Healthz, JsonAnswer, SlowAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters, read_parameters
 from wayline.query_error import QueryError
@@ -47,6 +47,8 @@ from wayline_eta.timetable_answers import (
 GEO_JSON = "application/geo+json"
 NOT_KEPT = {"cache-control": "no-store", "x-accel-buffering": "no"}
 """Neither by browsers nor, until it is full, by a proxy."""
+PUBLIC = ("/v1/routes", "/v1/trips/", "/v1/stops", "/gtfs-rt/")
+"""Beginnings of the paths that riders need."""
 
 
 def create_eta_app(
@@ -79,6 +81,7 @@ def create_eta_app(
             VehicleArrivals,
             VehicleProgress,
         ),
+        is_public=is_public,
     )
     known_routes = tuple(routes)
     feeds = tuple(timetables)
@@ -100,6 +103,13 @@ def _is_asked_seldom(route: BaseRoute) -> bool:
     return not (isinstance(route, APIRoute) and route.path.endswith("/arrivals"))
 
 
+def is_public(path: str) -> bool:
+    """Whether the scope `public` is enough for a path: arrivals, routes, stops, GTFS-Realtime."""
+    return path.startswith(PUBLIC) or (
+        path.startswith("/v1/vehicles/") and path.endswith("/arrivals")
+    )
+
+
 def _add_routes(app: FastAPI, routes: Sequence[Route], timetables: TimetableAnswers) -> None:
     own = tuple(map(_summary, routes))
     collections = {route.route_id: FeatureCollection(route_features(route)) for route in routes}
@@ -109,18 +119,18 @@ def _add_routes(app: FastAPI, routes: Sequence[Route], timetables: TimetableAnsw
     @app.get("/v1/routes", responses=answers(RouteSummaries), tags=["routes"])
     def route_list() -> JsonAnswer:
         """The routes that vehicles may follow, of files and of timetables."""
-        return JsonAnswer(RouteSummaries((*own, *timetables.summaries())))
+        return SlowAnswer(RouteSummaries((*own, *timetables.summaries())))
 
     @app.get("/v1/routes/{route_id:path}", responses=_geo_json(), tags=["routes"])
     def route(route_id: str) -> JsonAnswer:
         """A route's lines and stops as GeoJSON; of a timetable's those of its patterns."""
         found = collections.get(route_id) or timetables.route(route_id)
-        return JsonAnswer(found, media_type=GEO_JSON)
+        return SlowAnswer(found, media_type=GEO_JSON)
 
     @app.get("/v1/trips/{trip_id:path}", responses=answers(TripAnswer), tags=["routes"])
     def trip(trip_id: str) -> JsonAnswer:
         """A trip of the timetables with its stops and times."""
-        return JsonAnswer(timetables.trip(trip_id))
+        return SlowAnswer(timetables.trip(trip_id))
 
 
 def _summary(route: Route) -> RouteSummary:
@@ -178,7 +188,7 @@ def _add_stops(app: FastAPI, board: EtaBoard, stops: StopDirectory, rendered: Re
     )
     async def stop_list(request: Request) -> JsonAnswer:
         """The stops, or those near a place, nearest first."""
-        return JsonAnswer(stops.answer(read_parameters(request.query_params, StopsParameters)))
+        return SlowAnswer(stops.answer(read_parameters(request.query_params, StopsParameters)))
 
     @app.get(
         "/v1/stops/{stop_id:path}/arrivals",

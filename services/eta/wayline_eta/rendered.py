@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import msgspec
 
+from wayline.digits import rounded
 from wayline.view import Clock
 
 TICK_NS = 1_000_000_000
@@ -37,7 +38,7 @@ class Rendered:
         made, now_ns = self._made.get(question), self._clock_ns()
         if made is not None and made.basis == basis and now_ns - made.at_ns < TICK_NS:
             return made.body
-        body = msgspec.json.encode(make())
+        body = msgspec.json.encode(rounded(make()))
         if len(self._made) >= ANSWERS_MAX:
             self._made.clear()
         self._made[question] = Made(basis, now_ns, body)
