@@ -276,7 +276,7 @@ class TripRun(msgspec.Struct, frozen=True, kw_only=True):
 
     trip_id: Text
     route_id: Text
-    direction_id: Annotated[int, Meta(ge=0, le=1)] | None = None
+    direction_id: Literal[0, 1] | None = None
     start_date: Text
     """Its service day, as GTFS writes it: 20260131."""
     start_time: Text | None = None

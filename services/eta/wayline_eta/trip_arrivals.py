@@ -68,10 +68,11 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
 
 def told_run(run: Run) -> TripRun:
     """A run as it is told."""
+    direction_id = run.pattern.direction_id
     return TripRun(
         trip_id=run.trip.trip_id,
         route_id=run.pattern.route_id,
-        direction_id=run.pattern.direction_id,
+        direction_id=None if direction_id is None else 1 if direction_id else 0,
         start_date=run.day.strftime("%Y%m%d"),
         start_time=None if run.repeat_s is None else clock_of_seconds(run.repeat_s),
         exact=run.is_exact,
