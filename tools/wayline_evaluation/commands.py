@@ -214,6 +214,28 @@ def eta_command(
         plot_eta(report, runs, plot)
 
 
+@evaluate_app.command("avl")
+def avl_command(
+    folder: Annotated[Path, typer.Argument(help="Folder with the tables of papers/000 as CSV.")],
+    *,
+    route: Annotated[
+        Path | None, typer.Option(help="A route in place of the planned one of the tables.")
+    ] = None,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """The published route filter beside its printed estimates, and its ellipses."""
+    from wayline_evaluation.avl_plot import plot_avl
+    from wayline_evaluation.avl_study import avl_study
+    from wayline_evaluation.avl_table import avl_tables
+
+    check_targets(json, plot)
+    study = avl_study(folder, route)
+    _tell(avl_tables(study.report), study.report, json)
+    if plot is not None:
+        plot_avl(study, plot)
+
+
 @evaluate_app.command("following")
 def following_command(
     drives: Drives,
