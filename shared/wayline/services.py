@@ -84,6 +84,14 @@ _ROWS = (
         tables=Tables(lost_without=None),
         shows="slopes",
     ),
+    ServiceRow(
+        "history",
+        8006,
+        ("fastapi", "sqlalchemy", "alembic"),
+        Replayed.AS_NODE,
+        tables=Tables(lost_without=None),
+        shows="tracks, trips and events",
+    ),
     ServiceRow("dashboard", 8000, ("fastapi", "uvicorn"), Replayed.NOT, shows="view"),
 )
 SERVICES = {row.name: row for row in _ROWS}

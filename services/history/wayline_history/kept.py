@@ -1,0 +1,110 @@
+"""The history's tables for a `PatientStore`: keeps in batches, tidies up in between."""
+
+import time
+from collections.abc import Sequence
+
+import msgspec
+import sqlalchemy as sa
+
+from wayline.core import Record
+from wayline.host_clock import told_ns
+from wayline.keys import FLEET
+from wayline.spool import Waiting
+from wayline_history.housekeeping import Housekeeping, Limits
+from wayline_history.losses import Losses
+from wayline_history.reading import HistoryReader
+from wayline_history.records import Event, Piece
+from wayline_history.store import HistoryStore
+from wayline_history.trip_cutter import SILENCE_NS
+
+GAP_NS = 5_000_000_000
+"""A history that was not kept for less is told of nowhere."""
+ALIVE_S = 60.0
+"""How often is noted that the history is kept, where nothing comes."""
+TIDY_EVERY_S = 10.0
+TIDY_FOR_S = 0.2
+RESUMED_NS = 12 * 3_600_000_000_000
+"""A trip that began earlier is cut where the history was started anew."""
+
+
+class Openings:
+    """How often the tables were opened: what was not kept before the first has another reason."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+
+class HistoryTables:
+    """What the store's thread does with the history."""
+
+    def __init__(
+        self, engine: sa.Engine, limits: Limits, losses: Losses, openings: Openings
+    ) -> None:
+        self._store = HistoryStore(engine, time.time)
+        self._reader = HistoryReader(engine)
+        self._housekeeping = Housekeeping(engine, limits, time.time)
+        self._losses, self._openings = losses, openings
+        self._is_opened = False
+        self._alive_ns = 0
+        self._tidied_s = -TIDY_EVERY_S
+
+    def save(self, vehicle_id: str, record: Record) -> Sequence[msgspec.Struct]:
+        """Keep one piece."""
+        self._keep([(vehicle_id, record)])
+        return ()
+
+    def save_all(self, batch: Sequence[Waiting]) -> None:
+        """Keep many pieces at once."""
+        self._keep([(each.vehicle_id, each.record) for each in batch])
+
+    def look(self) -> Sequence[msgspec.Struct]:
+        """Tell of gaps, and let the history age; nobody has to be told anything."""
+        if not self._is_opened:
+            self._tell_gap()
+            self._is_opened = True
+        gaps = self._losses.take()
+        try:
+            if gaps or told_ns() - self._alive_ns > ALIVE_S * 1e9:
+                self._keep(gaps)
+        except sa.exc.DBAPIError:
+            self._losses.put_back(gaps)
+            raise
+        self._tidy()
+        return ()
+
+    def last_rows(self, vehicle_id: str) -> list[Sequence[int]]:
+        """The rows of poses that may belong to a trip still under way; none where none is."""
+        newest_ns = self._reader.newest_ns(vehicle_id, "fused")
+        if newest_ns is None:
+            return []
+        chunks = self._reader.rows(vehicle_id, "fused", newest_ns - RESUMED_NS, newest_ns + 1_000)
+        rows: list[Sequence[int]] = []
+        for row in (row for chunk in chunks for row in chunk.values.tolist()):
+            if rows and row[0] - rows[-1][0] > SILENCE_NS // 1_000:
+                rows = []
+            rows.append(row)
+        return rows
+
+    def _keep(self, records: Sequence[tuple[str, Record]]) -> None:
+        alive_ns = told_ns()
+        pieces = [(vehicle_id, each) for vehicle_id, each in records if isinstance(each, Piece)]
+        self._store.save(pieces, alive_ns)
+        self._alive_ns = alive_ns
+
+    def _tell_gap(self) -> None:
+        kept_ns, now_ns = self._store.alive_ns(), told_ns()
+        was_running = self._openings.count > 0
+        self._openings.count += 1
+        if kept_ns is None or now_ns - kept_ns < GAP_NS:
+            return
+        detail = "the database was away or full" if was_running else "history was not running"
+        gap = Event(t_ns=kept_ns, until_ns=now_ns, kind="gap", name="history", detail=detail)
+        self._keep([(FLEET, Piece(events=(gap,)))])
+
+    def _tidy(self) -> None:
+        now_s = time.monotonic()
+        if now_s - self._tidied_s < TIDY_EVERY_S:
+            return
+        if self._housekeeping.turn(TIDY_FOR_S, time.monotonic):
+            self._store.forget_partitions()
+        self._tidied_s = time.monotonic()
