@@ -92,7 +92,7 @@ _ROWS = (
         tables=Tables(lost_without=None),
         shows="tracks, trips and events",
     ),
-    ServiceRow("dashboard", 8000, ("fastapi", "uvicorn"), Replayed.NOT, shows="view"),
+    ServiceRow("dashboard", 8000, ("fastapi", "uvicorn", "httpx2"), Replayed.NOT, shows="view"),
 )
 SERVICES = {row.name: row for row in _ROWS}
 """By name, in the order in which data flows through them."""

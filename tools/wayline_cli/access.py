@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from wayline.errors import InputError
 from wayline.keys import FLEET, ROOT, alive_key, is_vehicle_id, message_key, query_key
-from wayline.messages import Arrivals, Health, Horizon, Progress, StopEvent
+from wayline.messages import Arrivals, Health, Horizon, Progress, StopEvent, Trip
 
 SERVICES_USER = "_services"
 """User of the server's services; no vehicle's id begins with an underscore."""
@@ -23,7 +23,7 @@ ASK = ("declare_subscriber", "query", "liveliness_query", "declare_liveliness_su
 """What a reader sends and a publisher gets."""
 SAY = ("put", "reply", "declare_queryable", "liveliness_token")
 """What a publisher sends and a reader gets. Nothing of Wayline deletes, so `delete` is denied."""
-SERVER_TOPICS = (Progress.topic, Arrivals.topic, StopEvent.topic, Horizon.topic)
+SERVER_TOPICS = (Progress.topic, Arrivals.topic, StopEvent.topic, Horizon.topic, Trip.topic)
 """What a server's services publish for a vehicle."""
 
 FLEET_RULES = ("vehicles ask the fleet", "vehicles hear of answers", "vehicles hear the fleet")

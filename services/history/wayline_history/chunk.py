@@ -7,7 +7,7 @@ first all lowest bytes stand, then all next ones, where nearly all are zero; zli
 import struct
 import zlib
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import msgspec
 import numpy as np
@@ -22,7 +22,8 @@ _HEAD = struct.Struct("<BIH")
 LEVEL = 6
 
 
-class Chunk(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Chunk:
     """Rows in order of time."""
 
     layout: Layout
@@ -47,7 +48,7 @@ class Chunk(NamedTuple):
 
     def taken(self, rows: NDArray[np.generic] | slice) -> "Chunk":
         """Some of the rows, by a mask, indices or a slice."""
-        return self._replace(values=self.values[rows])
+        return replace(self, values=self.values[rows])
 
     def between(self, from_us: int, to_us: int) -> "Chunk":
         """The rows from an instant on and before another."""

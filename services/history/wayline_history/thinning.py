@@ -6,6 +6,7 @@ is left is the least that this finds by splitting where the error is largest (Do
 1973, with the distance taken at equal times).
 """
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -38,7 +39,7 @@ def thinned(poses: Chunk) -> Chunk:
     left = poses.taken(keeps)
     values = left.values.copy()
     values[:, rejected] = np.diff(totals[keeps], prepend=0)
-    return left._replace(values=values)
+    return replace(left, values=values)
 
 
 def _turning(poses: Chunk) -> NDArray[np.bool_]:

@@ -69,7 +69,7 @@ class _OpenTrip:
             self.outage_ns += stand.outage_ns
             self._stop(stand, sample)
         self.travelled.add(self.last if stand is None else stand.first, sample)
-        self.climb.take(sample.alt_m, sample.alt_std_m)
+        self.climb.take(sample.t_ns, sample.alt_m, sample.alt_std_m)
         self.moving_ns += sample.t_ns - self.last.t_ns
         self.rejected += sample.rejected
         speed_mps = min(abs(sample.speed_mps or 0.0), SPEED_MAX_MPS)
@@ -160,7 +160,7 @@ class TripCutter:
             if not is_moving:
                 return
             self._open = _OpenTrip(before, before)
-            self._open.climb.take(before.alt_m, before.alt_std_m)
+            self._open.climb.take(before.t_ns, before.alt_m, before.alt_std_m)
         if self._was_lost or sample.mode == "dead_reckoning":
             self._open.miss(sample.t_ns - before.t_ns)
         if is_moving:
