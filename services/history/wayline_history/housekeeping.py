@@ -43,16 +43,15 @@ class Housekeeping:
         self._engine, self._limits, self._clock_s = engine, limits, clock_s
         self._ageing: Iterator[None] = iter(())
 
-    def turn(self, patience_s: float, elapsed_s: Callable[[], float]) -> bool:
-        """Work for so long by a clock that only goes forward; whether anything was let go."""
+    def turn(self, patience_s: float, elapsed_s: Callable[[], float]) -> None:
+        """Work for so long by a clock that only goes forward."""
         ends_s = elapsed_s() + patience_s
-        gone = self.let_go()
+        self.let_go()
         while elapsed_s() < ends_s:
             if next(self._ageing, self) is self:
                 self._ageing = self._aged()
                 if next(self._ageing, self) is self:
                     break
-        return gone
 
     def finish(self) -> None:
         """Do all that there is to do now."""

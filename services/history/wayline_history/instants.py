@@ -44,13 +44,14 @@ def instant_ns(text: str, name: str) -> int:
 
 def _told_ns(text: str, name: str) -> int:
     # a plus sign that nobody escaped comes as a space
+    told = text.replace(" ", "+") if "T" in text else text
     try:
-        instant = dt.datetime.fromisoformat(text.strip().replace(" 0", "+0").replace(" 1", "+1"))
+        instant = dt.datetime.fromisoformat(told)
     except ValueError:
         detail = f"{text!r} is no time; write e.g. 2026-11-22T08:00:00Z"
         raise QueryError(422, detail, parameter=name) from None
-    told = instant if instant.tzinfo else instant.replace(tzinfo=dt.UTC)
-    return (told - _EPOCH) // dt.timedelta(microseconds=1) * 1_000
+    zoned = instant if instant.tzinfo else instant.replace(tzinfo=dt.UTC)
+    return (zoned - _EPOCH) // dt.timedelta(microseconds=1) * 1_000
 
 
 def stretch_of(

@@ -105,6 +105,5 @@ class HistoryTables:
         now_s = time.monotonic()
         if now_s - self._tidied_s < TIDY_EVERY_S:
             return
-        if self._housekeeping.turn(TIDY_FOR_S, time.monotonic):
-            self._store.forget_partitions()
+        self._housekeeping.turn(TIDY_FOR_S, time.monotonic)
         self._tidied_s = time.monotonic()

@@ -39,8 +39,6 @@ class HistoryStore:
     def __init__(self, engine: sa.Engine, clock_s: Callable[[], float]) -> None:
         self._engine, self._clock_s = engine, clock_s
         self._numbers: dict[str, int] = {}
-        self._days: set[int] = set()
-        """Whose partitions are known to be there."""
 
     def save(self, pieces: Iterable[tuple[str, Piece]], alive_ns: int | None = None) -> None:
         """Keep the pieces of vehicles durably before returning: all of them or none.
@@ -51,7 +49,7 @@ class HistoryStore:
         chunks = [(vehicle, chunk) for vehicle, piece in pieces for chunk in _chunks(piece.rows)]
         with write_transaction(self._engine) as connection:
             numbers = self._numbered(connection, {vehicle for vehicle, _ in pieces})
-            self._make_partitions(connection, {chunk.hour for _, chunk in chunks})
+            _make_partitions(connection, {chunk.hour for _, chunk in chunks})
             sizes = Counter[int]()
             for _, chunk in chunks:
                 sizes[chunk.hour] += len(chunk.data) + ROW_BYTES
@@ -83,24 +81,22 @@ class HistoryStore:
         )
         return self._numbers | {row[0]: row[1] for row in found}
 
-    def _make_partitions(self, connection: sa.Connection, hours: set[int]) -> None:
-        if connection.dialect.name != "postgresql":
-            return
-        for day in sorted({hour // DAY_HOURS for hour in hours} - self._days):
-            connection.exec_driver_sql(
-                f"CREATE TABLE IF NOT EXISTS {partition(day)} PARTITION OF history_chunk "
-                f"FOR VALUES FROM ({day * DAY_HOURS}) TO ({(day + 1) * DAY_HOURS})"
-            )
-            self._days.add(day)
-
-    def forget_partitions(self) -> None:
-        """Some may be gone: look again before the next row."""
-        self._days.clear()
-
 
 def partition(day: int) -> str:
     """The name of PostgreSQL's table of a day since 1970."""
     return f"history_chunk_{day}"
+
+
+def _make_partitions(connection: sa.Connection, hours: set[int]) -> None:
+    if connection.dialect.name != "postgresql":
+        return
+    for day in sorted({hour // DAY_HOURS for hour in hours}):
+        # asked each time: another process may have let an old day go
+        if connection.execute(sa.select(sa.func.to_regclass(partition(day)))).scalar() is None:
+            connection.exec_driver_sql(
+                f"CREATE TABLE IF NOT EXISTS {partition(day)} PARTITION OF history_chunk "
+                f"FOR VALUES FROM ({day * DAY_HOURS}) TO ({(day + 1) * DAY_HOURS})"
+            )
 
 
 def _chunks(rows: Mapping[Kind, Rows]) -> Iterator[KeptChunk]:
