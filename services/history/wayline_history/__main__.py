@@ -13,7 +13,7 @@ from wayline_history.archive import Archive
 from wayline_history.attendance_log import AttendanceLog
 from wayline_history.core import HistoryCore
 from wayline_history.housekeeping import Limits
-from wayline_history.kept import HistoryTables, Openings
+from wayline_history.kept import HistoryTables, Openings, UnderWay
 from wayline_history.losses import Losses
 
 NAME = "history"
@@ -40,8 +40,9 @@ def build(settings: Settings, options: Namespace) -> Service:
 
     def make_node(vehicle_id: str, source: str) -> Node:
         del source
-        known = store.ask(lambda kept: kept.last_rows(vehicle_id)) or ()
-        return Node(NAME, HistoryCore(vehicle_id, known=known), store.of(vehicle_id))
+        trip = store.ask(lambda kept: kept.under_way(vehicle_id)) or UnderWay()
+        core = HistoryCore(vehicle_id, known=trip.rows, refused_ns=trip.refused_ns)
+        return Node(NAME, core, store.of(vehicle_id))
 
     archive = Archive(settings.database_url)
     return Service(

@@ -1,8 +1,7 @@
 """The history's HTTP: tracks, trips and events of a vehicle (SPEC section 5)."""
 
-import itertools
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -16,7 +15,7 @@ from wayline.query_error import QueryError
 from wayline_history.answers import EventList, TripAnswer, TripList, event_list, trip_answer
 from wayline_history.archive import Archive
 from wayline_history.chunk import Chunk
-from wayline_history.documents import csv_track, geojson_track, gpx_track, json_track, stepped
+from wayline_history.documents import begun, document_of, json_track, stepped
 from wayline_history.instants import Stretch
 from wayline_history.questions import (
     EventsParameters,
@@ -72,7 +71,7 @@ def _add_track(app: FastAPI, archive: Archive, now_ns: Callable[[], int]) -> Non
         """Where a vehicle was: fixes, poses or places along the route, in pages by time."""
         asked = read_parameters(request.query_params, PagedTrackParameters)
         stretch = asked.stretch(now_ns())
-        chunks = _begun(_opened(archive, vehicle_id, asked, stretch))
+        chunks = begun(_opened(archive, vehicle_id, asked, stretch))
         parts = json_track(vehicle_id, asked.kind, stretch, chunks, asked.limit)
         return StreamingResponse(parts, media_type=MEDIA["json"])
 
@@ -92,30 +91,10 @@ def _add_track(app: FastAPI, archive: Archive, now_ns: Callable[[], int]) -> Non
         def reread() -> Iterator[Chunk]:
             return _opened(archive, vehicle_id, asked, stretch)
 
-        parts = document_of(form, vehicle_id, asked, stretch, reread)
+        parts = document_of(form, vehicle_id, asked.kind, stretch, reread)
         name = f"{vehicle_id}-{asked.kind}.{form}"
         headers = {"content-disposition": f'attachment; filename="{name}"'}
         return StreamingResponse(parts, media_type=MEDIA[form], headers=headers)
-
-
-def document_of(
-    form: Format,
-    vehicle_id: str,
-    asked: TrackParameters,
-    stretch: Stretch,
-    reread: Callable[[], Iterable[Chunk]],
-) -> Iterator[bytes]:
-    """A track as a file of a form, a part at a time; what is wrong is raised at once."""
-    chunks = _begun(reread())
-    match form:
-        case "gpx":
-            return gpx_track(vehicle_id, asked.kind, chunks)
-        case "csv":
-            return csv_track(asked.kind, chunks)
-        case "geojson":
-            return geojson_track(vehicle_id, asked.kind, stretch, reread)
-        case "json":
-            return json_track(vehicle_id, asked.kind, stretch, chunks, 2**62)
 
 
 def _opened(
@@ -126,13 +105,6 @@ def _opened(
         lambda reader: reader.rows(vehicle_id, asked.kind, stretch.from_ns, stretch.to_ns)
     )
     return stepped(chunks, asked.step_s)
-
-
-def _begun(chunks: Iterable[Chunk]) -> Iterator[Chunk]:
-    """The chunks, the first of which is read already, so that what is wrong is said at once."""
-    stream = iter(chunks)
-    first = list(itertools.islice(stream, 1))
-    return itertools.chain(first, stream)
 
 
 def _check_known(archive: Archive, vehicle_id: str) -> None:

@@ -13,40 +13,40 @@ from wayline.messages import (
     GpsFix,
     Message,
     Pose,
-    PoseMode,
     Progress,
     StopEvent,
     Torque,
     Trip,
+    Verdict,
 )
+from wayline_history.incidents import Incidents
 from wayline_history.layouts import (
     ENGINE,
     FIXES,
     NULL,
     POSES,
     PROGRESSES,
-    REJECTED,
+    REFUSALS,
     SOURCE,
     Kind,
     Layout,
 )
-from wayline_history.records import Event, Piece, Rows
+from wayline_history.records import Piece, Rows
 from wayline_history.samples import sample_of
-from wayline_history.spans import Place, Spans
 from wayline_history.trip_cutter import TripCutter
 
 SECOND_NS = 1_000_000_000
 PIECE_NS = 10 * SECOND_NS
 """So much is lost of a process that is killed."""
 PIECE_ROWS = 2_000
-WITHOUT_FIXES: frozenset[PoseMode] = frozenset({"dead_reckoning", "lost"})
 
 
 class HistoryCore:
     """Takes what a vehicle's services publish; gives pieces for the store, and trips.
 
     `piece_ns` is how much measurement time a piece spans; `known` are the rows of poses of a trip
-    that may still be under way, as they were kept before.
+    that may still be under way, as they were kept before, and `refused_ns` when measurements were
+    refused since.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset(
@@ -60,25 +60,24 @@ class HistoryCore:
         *,
         piece_ns: int = PIECE_NS,
         known: Iterable[Sequence[int]] = (),
+        refused_ns: Iterable[int] = (),
     ) -> None:
         self._piece_ns = piece_ns
         self._cutter = TripCutter(vehicle_id)
         for row in known:
             self._cutter.take(sample_of(row))
+        for t_ns in refused_ns:
+            self._cutter.refuse(t_ns)
         self._rows: dict[Kind, list[tuple[int, ...]]] = defaultdict(list)
         self._texts: dict[Kind, dict[str, int]] = defaultdict(dict)
-        self._spans = Spans()
+        self._incidents = Incidents()
         self._trips: list[Trip] = []
         self._since_ns: int | None = None
         """Of what waits to be handed over."""
         self._second = 0
         """Of the pose kept last."""
         self._progress_second = 0
-        self._mode: PoseMode | None = None
-        self._outage_s = 0.0
-        self._rejected = 0
         self._engine = NULL
-        self._place = Place()
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take one input."""
@@ -107,79 +106,38 @@ class HistoryCore:
         if second == self._second:
             return ()
         self._second = second
-        self._note_mode(pose)
-        self._place = Place(pose.lat_deg, pose.lon_deg)
-        row = self._keep(POSES, pose, **{REJECTED: self._rejected, ENGINE: self._engine})
-        self._rejected = 0
+        self._incidents.pose(pose)
+        row = self._keep(POSES, pose, **{ENGINE: self._engine})
         trips = self._told(self._cutter.take(sample_of(row)))
         return [*trips, *self._due(pose.t_ns)]
 
-    def _take_fix(self, fix: GpsFix, source: str) -> Sequence[Message | Record]:
+    def _take_fix(self, fix: GpsFix, source: str) -> Sequence[Record]:
         if fix.lat_deg is None or fix.lon_deg is None:
             return ()
         self._keep(FIXES, fix, **{SOURCE: source})
         return self._due(fix.t_ns)
 
-    def _take_progress(self, progress: Progress) -> Sequence[Message | Record]:
-        if progress.on_route:
-            self._spans.end_all("off_route", progress.t_ns)
-        else:
-            self._spans.begin("off_route", progress.route_id, progress.t_ns, self._place)
+    def _take_progress(self, progress: Progress) -> Sequence[Record]:
+        self._incidents.progress(progress)
         second = progress.t_ns // SECOND_NS
-        if second == self._progress_second:
-            return ()
-        self._progress_second = second
-        self._keep(PROGRESSES, progress)
+        if second != self._progress_second:
+            self._progress_second = second
+            self._keep(PROGRESSES, progress)
         return self._due(progress.t_ns)
 
-    def _take_status(self, status: FusionStatus) -> Sequence[Message | Record]:
-        self._outage_s = status.outage_s
-        for verdict in status.verdicts:
-            if not verdict.accepted:
-                self._rejected += 1
-                name = f"{verdict.sensor}: {verdict.reason}" if verdict.reason else verdict.sensor
-                self._spans.count("rejected", name, verdict.t_ns, self._place)
+    def _take_status(self, status: FusionStatus) -> Sequence[Record]:
+        for verdict in self._incidents.status(status):
+            self._cutter.refuse(verdict.t_ns)
+            self._keep(REFUSALS, verdict)
         return self._due(status.t_ns)
 
-    def _take_stop(self, stop: StopEvent) -> Sequence[Message | Record]:
-        self._spans.tell(
-            Event(
-                t_ns=stop.t_ns,
-                kind="stop",
-                name=f"{stop.kind} {stop.stop_id}",
-                lat_deg=self._place.lat_deg,
-                lon_deg=self._place.lon_deg,
-                detail=f"route {stop.route_id}"
-                + (f", trip {stop.trip_id}" if stop.trip_id else ""),
-            )
-        )
+    def _take_stop(self, stop: StopEvent) -> Sequence[Record]:
+        self._incidents.stop(stop)
         return self._due(stop.t_ns)
 
     def _take_engine(self, torque: Torque) -> None:
         if torque.engine_speed_rpm is not None:
             self._engine = int(torque.engine_speed_rpm > 0.0)
-
-    def _note_mode(self, pose: Pose) -> None:
-        mode, self._mode = self._mode, pose.mode
-        if mode == pose.mode:
-            return
-        place = Place(pose.lat_deg, pose.lon_deg)
-        detail = None if mode is None else f"after {mode}"
-        self._spans.tell(
-            Event(
-                t_ns=pose.t_ns,
-                kind="mode",
-                name=pose.mode,
-                lat_deg=place.lat_deg,
-                lon_deg=place.lon_deg,
-                detail=detail,
-            )
-        )
-        if pose.mode in WITHOUT_FIXES:
-            began_ns = pose.t_ns - round(self._outage_s * 1e9)
-            self._spans.begin("outage", "", began_ns, place)
-        else:
-            self._spans.end("outage", "", pose.t_ns)
 
     def _pass_time(self, t_ns: int) -> Sequence[Message | Record | Sleep]:
         outputs: list[Message | Record | Sleep] = []
@@ -196,7 +154,9 @@ class HistoryCore:
         self._trips.append(trip)
         return [trip]
 
-    def _keep(self, layout: Layout, message: Message, **beside: int | str) -> tuple[int, ...]:
+    def _keep(
+        self, layout: Layout, message: Message | Verdict, **beside: int | str
+    ) -> tuple[int, ...]:
         row = layout.row(message, self._texts[layout.kind], **beside)
         self._rows[layout.kind].append(row)
         return row
@@ -214,7 +174,10 @@ class HistoryCore:
             kind: Rows(tuple(each), tuple(self._texts[kind])) for kind, each in self._rows.items()
         }
         piece = Piece(
-            rows=rows, events=self._spans.take(), trips=tuple(self._trips), is_last=is_last
+            rows=rows,
+            events=self._incidents.spans.take(),
+            trips=tuple(self._trips),
+            is_last=is_last,
         )
         self._rows.clear()
         self._texts.clear()

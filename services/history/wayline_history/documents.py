@@ -1,5 +1,6 @@
 """Pure: tracks as documents, a part at a time: JSON, GPX, CSV, GeoJSON."""
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from xml.sax.saxutils import escape
@@ -10,16 +11,44 @@ import numpy as np
 from wayline.rfc3339 import rfc3339
 from wayline_history.chunk import Chunk
 from wayline_history.instants import Stretch
-from wayline_history.layouts import US, Kind
+from wayline_history.layouts import US, TrackKind
 from wayline_history.points import POINTS, Steps, places_of, points_of, shown, times_of
+from wayline_history.questions import Format
 
 BREAK_US = 600_000_000
 """After such a silence, a line goes on as another one."""
+WITHOUT_LIMIT = 2**53
 Reread = Callable[[], Iterable[Chunk]]
 
 
+def document_of(
+    form: Format, vehicle_id: str, kind: TrackKind, stretch: Stretch, reread: Reread
+) -> Iterator[bytes]:
+    """A track as a file, a part at a time; what is wrong with reading it is raised at once.
+
+    `reread` reads the track anew each time.
+    """
+    chunks = begun(reread())
+    match form:
+        case "gpx":
+            return gpx_track(vehicle_id, kind, chunks)
+        case "csv":
+            return csv_track(kind, chunks)
+        case "geojson":
+            return geojson_track(vehicle_id, kind, stretch, reread)
+        case "json":
+            return json_track(vehicle_id, kind, stretch, chunks, WITHOUT_LIMIT)
+
+
+def begun(chunks: Iterable[Chunk]) -> Iterator[Chunk]:
+    """The chunks, of which the first has been read."""
+    stream = iter(chunks)
+    first = list(itertools.islice(stream, 1))
+    return itertools.chain(first, stream)
+
+
 def json_track(
-    vehicle_id: str, kind: Kind, stretch: Stretch, chunks: Iterable[Chunk], limit: int
+    vehicle_id: str, kind: TrackKind, stretch: Stretch, chunks: Iterable[Chunk], limit: int
 ) -> Iterator[bytes]:
     """`points` in order of time, at most so many; `next` is from when on the rest is, or null."""
     head = {
@@ -43,7 +72,7 @@ def json_track(
     yield b'],"next":' + msgspec.json.encode(tail) + b"}"
 
 
-def csv_track(kind: Kind, chunks: Iterable[Chunk]) -> Iterator[bytes]:
+def csv_track(kind: TrackKind, chunks: Iterable[Chunk]) -> Iterator[bytes]:
     """A header with the names of the points' fields, then a row a point; unknown is empty."""
     names = POINTS[kind].__struct_fields__
     yield (",".join(names) + "\n").encode()
@@ -62,7 +91,7 @@ def _cell(value: object) -> str:
     return '"' + text.replace('"', '""') + '"' if any(mark in text for mark in ',"\n\r') else text
 
 
-def gpx_track(vehicle_id: str, kind: Kind, chunks: Iterable[Chunk]) -> Iterator[bytes]:
+def gpx_track(vehicle_id: str, kind: TrackKind, chunks: Iterable[Chunk]) -> Iterator[bytes]:
     """A GPX 1.1 track, a segment between silences."""
     yield (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -86,7 +115,9 @@ def _gpx_points(chunk: Chunk) -> Iterator[str]:
         yield f'<trkpt lat="{lat_deg:.7f}" lon="{lon_deg:.7f}">{ele}<time>{t}</time></trkpt>\n'
 
 
-def geojson_track(vehicle_id: str, kind: Kind, stretch: Stretch, reread: Reread) -> Iterator[bytes]:
+def geojson_track(
+    vehicle_id: str, kind: TrackKind, stretch: Stretch, reread: Reread
+) -> Iterator[bytes]:
     """A MultiLineString, a line between silences, cut where it crosses the 180th meridian.
 
     `coordTimes` of its properties has the instants in the shape of its coordinates. `reread`

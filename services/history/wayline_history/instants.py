@@ -55,7 +55,11 @@ def _told_ns(text: str, name: str) -> int:
 
 
 def stretch_of(
-    from_: str | msgspec.UnsetType, to: str | msgspec.UnsetType, now_ns: int, *, days_max: int
+    from_: str | msgspec.UnsetType,
+    to: str | msgspec.UnsetType,
+    now_ns: int,
+    *,
+    days_max: int | None,
 ) -> Stretch:
     """What `from` and `to` ask for: by default the day before `to`, and up to now.
 
@@ -71,7 +75,7 @@ def stretch_of(
     if from_ns >= to_ns:
         detail = f"is not before to, which is {rfc3339(to_ns)}"
         raise QueryError(422, detail, parameter="from")
-    if to_ns - from_ns > days_max * DAY_NS:
+    if days_max is not None and to_ns - from_ns > days_max * DAY_NS:
         days = (to_ns - from_ns) / DAY_NS
         detail = (
             f"{days:,.0f} days are more than the {days_max} that are told at once; ask in parts"

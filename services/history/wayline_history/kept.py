@@ -1,7 +1,8 @@
 """The history's tables for a `PatientStore`: keeps in batches, tidies up in between."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 import msgspec
 import sqlalchemy as sa
@@ -10,7 +11,9 @@ from wayline.core import Record
 from wayline.host_clock import told_ns
 from wayline.keys import FLEET
 from wayline.spool import Waiting
+from wayline_history.chunk import Chunk
 from wayline_history.housekeeping import Housekeeping, Limits
+from wayline_history.layouts import US
 from wayline_history.losses import Losses
 from wayline_history.reading import HistoryReader
 from wayline_history.records import Event, Piece
@@ -25,6 +28,15 @@ TIDY_EVERY_S = 10.0
 TIDY_FOR_S = 0.2
 RESUMED_NS = 12 * 3_600_000_000_000
 """A trip that began earlier is cut where the history was started anew."""
+
+
+class UnderWay(NamedTuple):
+    """Of a trip that may still be under way."""
+
+    rows: Sequence[Sequence[int]] = ()
+    """Of its poses."""
+    refused_ns: Sequence[int] = ()
+    """When measurements were refused."""
 
 
 class Openings:
@@ -72,18 +84,19 @@ class HistoryTables:
         self._tidy()
         return ()
 
-    def last_rows(self, vehicle_id: str) -> list[Sequence[int]]:
-        """The rows of poses that may belong to a trip still under way; none where none is."""
+    def under_way(self, vehicle_id: str) -> UnderWay:
+        """What is kept of a trip that may still be under way; nothing where none can be."""
         newest_ns = self._reader.newest_ns(vehicle_id, "fused")
         if newest_ns is None:
-            return []
-        chunks = self._reader.rows(vehicle_id, "fused", newest_ns - RESUMED_NS, newest_ns + 1_000)
+            return UnderWay()
+        span = newest_ns - RESUMED_NS, newest_ns + US
         rows: list[Sequence[int]] = []
-        for row in (row for chunk in chunks for row in chunk.values.tolist()):
-            if rows and row[0] - rows[-1][0] > SILENCE_NS // 1_000:
+        for row in _rows(self._reader.rows(vehicle_id, "fused", *span)):
+            if rows and row[0] - rows[-1][0] > SILENCE_NS // US:
                 rows = []
             rows.append(row)
-        return rows
+        refused = _rows(self._reader.rows(vehicle_id, "refused", rows[0][0] * US, span[1]))
+        return UnderWay(rows, [row[0] * US for row in refused])
 
     def _keep(self, records: Sequence[tuple[str, Record]]) -> None:
         alive_ns = told_ns()
@@ -107,3 +120,8 @@ class HistoryTables:
             return
         self._housekeeping.turn(TIDY_FOR_S, time.monotonic)
         self._tidied_s = time.monotonic()
+
+
+def _rows(chunks: Iterable[Chunk]) -> Iterator[Sequence[int]]:
+    for chunk in chunks:
+        yield from chunk.values.tolist()

@@ -7,18 +7,18 @@ what is read back is the same wherever it was written, and neighbours differ by 
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple, get_args
 
-from wayline.messages import FixKind, GpsFix, Message, Pose, PoseMode, Progress
+from wayline.messages import FixKind, Message, PoseMode, Verdict
 
 NULL = -(2**62)
 """Stands for unknown in a row."""
 US = 1_000
 """Nanoseconds in the microseconds that times are kept in."""
 ENGINE = "engine"
-REJECTED = "rejected"
 T_US = "t_us"
 SOURCE = "source"
 
-Kind = Literal["raw", "fused", "on_route"]
+TrackKind = Literal["raw", "fused", "on_route"]
+Kind = TrackKind | Literal["refused"]
 
 
 class Column(NamedTuple):
@@ -42,14 +42,15 @@ class Layout(NamedTuple):
     kind: Kind
     number: int
     """Stands for the kind in the database."""
-    message: type[Message]
     columns: tuple[Column, ...]
 
     def place(self, name: str) -> int:
         """Where in a row a quantity is."""
         return next(i for i, column in enumerate(self.columns) if column.name == name)
 
-    def row(self, message: Message, texts: dict[str, int], **beside: int | str) -> tuple[int, ...]:
+    def row(
+        self, message: Message | Verdict, texts: dict[str, int], **beside: int | str
+    ) -> tuple[int, ...]:
         """A message in steps, `beside` for columns that are not its fields.
 
         Texts that are new get the next number in `texts`.
@@ -63,7 +64,7 @@ class Layout(NamedTuple):
         )
 
 
-def _value(message: Message, column: Column, beside: Mapping[str, int | str]) -> Any:
+def _value(message: Message | Verdict, column: Column, beside: Mapping[str, int | str]) -> Any:
     return beside[column.name] if column.name in beside else getattr(message, column.name)
 
 
@@ -83,7 +84,6 @@ PLACE = (Column("lat_deg", 1e7, is_smooth=True), Column("lon_deg", 1e7, is_smoot
 POSES = Layout(
     "fused",
     1,
-    Pose,
     (
         TIME,
         *PLACE,
@@ -101,15 +101,13 @@ POSES = Layout(
         Column("speed_std_mps", 100.0),
         Column("alt_std_m", 100.0),
         Column("grade_std_pct", 100.0),
-        # measurements that were refused since the row before; the engine: 0 stands, 1 turns
-        Column(REJECTED),
+        # 0 stands, 1 turns
         Column(ENGINE),
     ),
 )
 FIXES = Layout(
     "raw",
     2,
-    GpsFix,
     (
         TIME,
         *PLACE,
@@ -127,7 +125,6 @@ FIXES = Layout(
 PROGRESSES = Layout(
     "on_route",
     3,
-    Progress,
     (
         TIME,
         *PLACE,
@@ -143,5 +140,10 @@ PROGRESSES = Layout(
         Column("delay_s", 10.0),
     ),
 )
-LAYOUTS: dict[Kind, Layout] = {each.kind: each for each in (FIXES, POSES, PROGRESSES)}
+REFUSALS = Layout(
+    "refused",
+    4,
+    (TIME, Column("sensor", is_text=True), Column("reason", is_text=True)),
+)
+LAYOUTS: dict[Kind, Layout] = {each.kind: each for each in (FIXES, POSES, PROGRESSES, REFUSALS)}
 BY_NUMBER = {each.number: each for each in LAYOUTS.values()}

@@ -6,7 +6,7 @@ import msgspec
 from msgspec import Meta, field
 
 from wayline_history.instants import Instant, Stretch, stretch_of
-from wayline_history.layouts import Kind
+from wayline_history.layouts import TrackKind
 
 TRACK_DAYS = 31
 LIST_DAYS = 366
@@ -22,9 +22,9 @@ class StretchParameters(msgspec.Struct, frozen=True, kw_only=True):
     from_: Instant | Unset = field(default=msgspec.UNSET, name="from")
     to: Instant | Unset = msgspec.UNSET
 
-    def stretch(self, now_ns: int) -> Stretch:
-        """From when to when. Raises QueryError (422)."""
-        return stretch_of(self.from_, self.to, now_ns, days_max=LIST_DAYS)
+    def stretch(self, now_ns: int, *, days_max: int | None = LIST_DAYS) -> Stretch:
+        """From when to when; at most so many days. Raises QueryError (422)."""
+        return stretch_of(self.from_, self.to, now_ns, days_max=days_max)
 
 
 class EventsParameters(StretchParameters, frozen=True, kw_only=True):
@@ -37,13 +37,14 @@ class TrackParameters(StretchParameters, frozen=True, kw_only=True):
     """Where a vehicle was in a stretch of time."""
 
     kind: Annotated[
-        Kind, Meta(description="the receivers' fixes, fusion's poses, or places along the route")
+        TrackKind,
+        Meta(description="the receivers' fixes, fusion's poses, or places along the route"),
     ] = "fused"
     step_s: Annotated[float, Meta(ge=0.0, le=86_400.0, description="one point in so many")] = 0.0
 
-    def stretch(self, now_ns: int) -> Stretch:
-        """From when to when. Raises QueryError (422)."""
-        return stretch_of(self.from_, self.to, now_ns, days_max=TRACK_DAYS)
+    def stretch(self, now_ns: int, *, days_max: int | None = TRACK_DAYS) -> Stretch:
+        """From when to when; at most so many days. Raises QueryError (422)."""
+        return stretch_of(self.from_, self.to, now_ns, days_max=days_max)
 
 
 class PagedTrackParameters(TrackParameters, frozen=True, kw_only=True):

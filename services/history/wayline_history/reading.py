@@ -1,6 +1,6 @@
 """Reads the history: a track hour by hour, so that a day is never held; trips and events."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from wayline.messages import Trip
 from wayline_history.chunk import Chunk, decoded, merged
 from wayline_history.layouts import LAYOUTS, US, Kind
 from wayline_history.records import Event
-from wayline_history.tables import CHUNKS, EVENTS, HOUR_US, TRIPS, VEHICLES
+from wayline_history.tables import CHUNKS, EVENTS, HOUR_US, HOURS, TRIPS, VEHICLES
 
 HOURS_AT_ONCE = 6
 """Read in one go; a reader that takes its time holds up no writer."""
@@ -84,9 +84,10 @@ class HistoryReader:
         if number is None or to_ns <= from_ns:
             return
         from_us, to_us = -(-from_ns // US), -(-to_ns // US)
-        for hour in range(from_us // HOUR_US, (to_us - 1) // HOUR_US + 1, HOURS_AT_ONCE):
-            last = min(hour + HOURS_AT_ONCE - 1, (to_us - 1) // HOUR_US)
-            for chunk in self._hours(number, kind, hour, last):
+        hours = self._kept_hours(from_us // HOUR_US, (to_us - 1) // HOUR_US)
+        for place in range(0, len(hours), HOURS_AT_ONCE):
+            some = hours[place : place + HOURS_AT_ONCE]
+            for chunk in self._hours(number, kind, some[0], some[-1]):
                 inside = chunk.between(from_us, to_us)
                 if len(inside):
                     yield inside
@@ -137,6 +138,12 @@ class HistoryReader:
         query = sa.select(VEHICLES.c.vehicle_no).where(VEHICLES.c.vehicle_id == vehicle_id)
         with self._engine.connect() as connection:
             return connection.execute(query).scalar()
+
+    def _kept_hours(self, first: int, last: int) -> Sequence[int]:
+        """The hours of which something is kept, of whatever vehicle."""
+        query = sa.select(HOURS.c.hour).where(HOURS.c.hour.between(first, last))
+        with self._engine.connect() as connection:
+            return connection.execute(query.order_by(HOURS.c.hour)).scalars().all()
 
     def _hours(self, number: int, kind: Kind, first: int, last: int) -> Iterator[Chunk]:
         layout = LAYOUTS[kind]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from wayline.messages import PoseMode
-from wayline_history.layouts import ENGINE, NULL, POSES, REJECTED, US
+from wayline_history.layouts import ENGINE, NULL, POSES, US
 
 
 class Sample(NamedTuple):
@@ -23,8 +23,6 @@ class Sample(NamedTuple):
     """That fusion counts since its start."""
     position_std_m: float
     mode: PoseMode
-    rejected: int
-    """Measurements that were refused since the sample before."""
     is_engine_off: bool
 
 
@@ -52,7 +50,6 @@ def sample_of(row: Sequence[int]) -> Sample | None:
         distance_m=_unit(row, "distance_m") or 0.0,
         position_std_m=math.hypot(*stds_m),
         mode=mode,
-        rejected=row[_PLACES[REJECTED]],
         is_engine_off=row[_PLACES[ENGINE]] == 0,
     )
 

@@ -49,22 +49,14 @@ class Spans:
             if open_kind == kind:
                 self.end(kind, name, t_ns)
 
-    def count(self, kind: EventKind, name: str, t_ns: int, place: Place) -> None:
+    def count(self, kind: EventKind, name: str, t_ns: int) -> None:
         """Something happened once more; one that has not for a minute begins anew."""
         event = self._open.get((kind, name))
         if event is not None and not _rests(event, t_ns):
             later_ns = max(event.until_ns or event.t_ns, t_ns)
             event = replace(event, count=(event.count or 0) + 1, until_ns=later_ns)
         else:
-            event = Event(
-                t_ns=t_ns,
-                kind=kind,
-                name=name,
-                until_ns=t_ns,
-                count=1,
-                lat_deg=place.lat_deg,
-                lon_deg=place.lon_deg,
-            )
+            event = Event(t_ns=t_ns, kind=kind, name=name, until_ns=t_ns, count=1)
         self._open[kind, name] = event
         self.tell(event)
 

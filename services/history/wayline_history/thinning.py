@@ -6,7 +6,6 @@ is left is the least that this finds by splitting where the error is largest (Do
 1973, with the distance taken at equal times).
 """
 
-from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from wayline.geo import metres_per_degree
 from wayline_history.chunk import Chunk
-from wayline_history.layouts import ENGINE, NULL, REJECTED
+from wayline_history.layouts import ENGINE, NULL
 
 POSITION_LEAST_M = 1.0
 ALTITUDE_LEAST_M = 1.0
@@ -26,7 +25,7 @@ LONGEST_US = 60_000_000
 
 
 def thinned(poses: Chunk) -> Chunk:
-    """The poses that stay; the refused measurements of those that go are added to the next's."""
+    """The poses that stay."""
     if len(poses) < 3:
         return poses
     keeps = _turning(poses)
@@ -34,12 +33,7 @@ def thinned(poses: Chunk) -> Chunk:
     fixed = np.flatnonzero(keeps).tolist()
     for first, last in pairwise(fixed):
         _split(curves, first, last, keeps)
-    rejected = poses.layout.place(REJECTED)
-    totals = np.cumsum(poses.values[:, rejected])
-    left = poses.taken(keeps)
-    values = left.values.copy()
-    values[:, rejected] = np.diff(totals[keeps], prepend=0)
-    return replace(left, values=values)
+    return poses.taken(keeps)
 
 
 def _turning(poses: Chunk) -> NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 
 import datetime as dt
 import math
+from collections import deque
 from dataclasses import dataclass, field
 
 from wayline.geo import step_between
@@ -39,7 +40,6 @@ class _Stand:
     """A vehicle that stands, and what is only part of its trip if it drives on."""
 
     first: Sample
-    rejected: int = 0
     outage_ns: int = 0
     engine_off_ns: int | None = None
     """Since when."""
@@ -56,7 +56,6 @@ class _OpenTrip:
     moving_ns: int = 0
     max_speed_mps: float = 0.0
     extent_m: float = 0.0
-    rejected: int = 0
     outage_ns: int = 0
     stops: list[TripStop] = field(default_factory=list)
     stand: _Stand | None = None
@@ -65,13 +64,11 @@ class _OpenTrip:
         """Add the way to a sample at which the vehicle moves."""
         stand, self.stand = self.stand, None
         if stand is not None:
-            self.rejected += stand.rejected
             self.outage_ns += stand.outage_ns
             self._stop(stand, sample)
         self.travelled.add(self.last if stand is None else stand.first, sample)
         self.climb.take(sample.t_ns, sample.alt_m, sample.alt_std_m)
         self.moving_ns += sample.t_ns - self.last.t_ns
-        self.rejected += sample.rejected
         speed_mps = min(abs(sample.speed_mps or 0.0), SPEED_MAX_MPS)
         self.max_speed_mps = max(self.max_speed_mps, speed_mps)
         if self.extent_m < FAR_M:
@@ -82,8 +79,6 @@ class _OpenTrip:
         if self.stand is None:
             self.drive(sample)
             self.stand = _Stand(sample)
-        else:
-            self.stand.rejected += sample.rejected
         if not sample.is_engine_off:
             self.stand.engine_off_ns = None
         elif self.stand.engine_off_ns is None:
@@ -121,6 +116,8 @@ class TripCutter:
         self._vehicle_id = vehicle_id
         self._before: Sample | None = None
         self._open: _OpenTrip | None = None
+        self._refused_ns: deque[int] = deque()
+        """When measurements were refused that may be of the trip under way, or of the next."""
         self._was_lost = False
         """Since the sample before nobody knew where it was."""
 
@@ -128,6 +125,12 @@ class TripCutter:
     def is_open(self) -> bool:
         """Whether a trip is under way, of which time alone may be the end."""
         return self._open is not None
+
+    def refuse(self, t_ns: int) -> None:
+        """A measurement of an instant was refused."""
+        self._refused_ns.append(t_ns)
+        while not self.is_open and t_ns - self._refused_ns[0] > SILENCE_NS:
+            self._refused_ns.popleft()
 
     def take(self, sample: Sample | None) -> Trip | None:
         """The next pose (None: of unknown place); one that is not later changes nothing."""
@@ -207,7 +210,7 @@ class TripCutter:
             start_lon_deg=start.lon_deg,
             end_lat_deg=end.lat_deg,
             end_lon_deg=end.lon_deg,
-            rejected=trip.rejected,
+            rejected=sum(start.t_ns <= t_ns <= end.t_ns for t_ns in self._refused_ns),
             outage_s=round(trip.outage_ns * 1e-9, 3),
             stops=tuple(trip.stops),
         )

@@ -14,7 +14,7 @@ from wayline_history.layouts import FIXES, NULL, POSES
 from wayline_history.points import points_of
 from wayline_history.thinning import thinned
 
-BESIDE: dict[str, Any] = {"rejected": 0, "engine": NULL}
+BESIDE: dict[str, Any] = {"engine": NULL}
 
 
 def poses_chunk(poses: Any) -> Chunk:
@@ -114,13 +114,11 @@ def test_a_parked_hour_is_two_poses() -> None:
     assert len(thinned(poses_chunk(legs((3600, 0.0))))) == 2
 
 
-def test_thinning_keeps_changes_of_mode_and_all_refusals() -> None:
+def test_thinning_keeps_changes_of_mode() -> None:
     drive = [pose(s, 10.0 * s, 10.0, mode="fused" if s < 50 else "gps") for s in range(100)]
-    refused = [POSES.row(each, {}, rejected=1, engine=NULL) for each in drive]
-    kept = thinned(chunk_of(POSES, refused))
+    kept = thinned(poses_chunk(drive))
     modes = [point.mode for point in points_of(kept)]  # type: ignore[attr-defined]
     assert modes == ["fused", "fused", "gps", "gps"]
-    assert int(kept.column("rejected").sum()) == 100
 
 
 def test_thinning_goes_over_the_antimeridian() -> None:

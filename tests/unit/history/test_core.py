@@ -5,7 +5,7 @@ import pytest
 from builders import at, fix
 from unit.history.driven import LAT_DEG, LON_DEG, kept_of, legs, pose
 from wayline.inputs import Tick
-from wayline.messages import FusionStatus, Progress, StopEvent, Torque, Verdict
+from wayline.messages import FusionStatus, Message, Progress, StopEvent, Torque, Verdict
 from wayline_history.core import PIECE_NS, HistoryCore
 from wayline_history.layouts import ENGINE, POSES
 
@@ -48,14 +48,13 @@ def test_time_alone_hands_over_what_waits() -> None:
 def test_a_change_of_mode_and_an_outage_are_told_of() -> None:
     drive = [
         pose(0.0, 0.0, 10.0),
-        FusionStatus(t_ns=at(3.0), outage_s=2.5),
         pose(3.0, 30.0, 10.0, mode="dead_reckoning"),
         pose(9.0, 90.0, 10.0, mode="fused"),
     ]
     kept = kept_of(drive)
     assert [event.name for event in kept.events("mode")] == ["fused", "dead_reckoning", "fused"]
     (outage,) = kept.events("outage")
-    assert (outage.t_ns, outage.until_ns) == (at(0.5), at(9.0))
+    assert (outage.t_ns, outage.until_ns) == (at(3), at(9))
 
 
 def test_an_outage_that_goes_on_is_told_of_open() -> None:
@@ -88,10 +87,12 @@ def test_refusals_are_told_of_by_reason_and_counted() -> None:
     assert (events[0].t_ns, events[0].until_ns) == (at(1), at(3))
 
 
-def test_refusals_stand_with_the_next_pose() -> None:
-    kept = kept_of([refusal(0.2, "far"), refusal(0.4, "far"), pose(1, 0, 0), pose(2, 0, 0)])
-    rejected = POSES.place("rejected")
-    assert [row[rejected] for row in kept.rows("fused")] == [2, 0]
+def test_each_refusal_is_kept_and_counted_in_its_trip() -> None:
+    drive: list[Message] = list(legs((60, 0.0), (100, 10.0), (400, 0.0)))
+    told = [refusal(5, "far"), *(refusal(70 + second, "far") for second in range(5))]
+    kept = kept_of([*drive[:80], *told, *drive[80:]])
+    assert len(kept.rows("refused")) == 6
+    assert kept.trips[0].rejected == 5
 
 
 def progress(seconds: float, *, on_route: bool) -> Progress:
@@ -117,12 +118,12 @@ def test_leaving_the_route_and_coming_back_is_one_event() -> None:
     assert len(kept.rows("on_route")) == 4
 
 
-def test_a_stop_event_is_kept_with_its_place() -> None:
+def test_a_stop_event_is_kept() -> None:
     stop = StopEvent(
         t_ns=at(2), route_id="5A", stop_id="S1", stop_sequence=1, kind="arrived", distance_m=10.0
     )
     (event,) = kept_of([pose(1, 0, 0), stop]).events("stop")
-    assert (event.name, event.lat_deg, event.detail) == ("arrived S1", LAT_DEG, "route 5A")
+    assert (event.name, event.t_ns, event.detail) == ("arrived S1", at(2), "route 5A")
 
 
 @pytest.mark.parametrize(("rpm", "engine"), [(0.0, 0), (800.0, 1)])
