@@ -90,7 +90,7 @@ _ROWS = (
         ("fastapi", "sqlalchemy", "alembic"),
         Replayed.AS_NODE,
         tables=Tables(lost_without=None),
-        shows="tracks, trips and events",
+        shows="history",
     ),
     ServiceRow("dashboard", 8000, ("fastapi", "uvicorn", "httpx2"), Replayed.NOT, shows="view"),
 )

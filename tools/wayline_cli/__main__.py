@@ -93,7 +93,7 @@ def demo_command(
         Path | None, typer.Option(help="Folder for its files, kept; default: a temporary one.")
     ] = None,
     first_port: Annotated[
-        int | None, typer.Option(help="Use ports from here on instead of 8000-8006 and 7447.")
+        int | None, typer.Option(help="Use ports from here on instead of 8000-8007 and 7447.")
     ] = None,
     no_open: Annotated[bool, typer.Option("--no-open", help="Do not open the page.")] = False,
     seconds: Annotated[float | None, typer.Option(help="End after so many seconds.")] = None,
