@@ -93,8 +93,8 @@ def _trips(reader: HistoryReader, asked: Asked) -> Iterator[TripAnswer]:
     for vehicle_id in (
         known if asked.vehicle_id is None else [known_vehicle(reader, asked.vehicle_id)]
     ):
-        for trip in reader.trips(vehicle_id, *stretch):
-            yield trip_answer(vehicle_id, trip)
+        for kept in reader.trips(vehicle_id, *stretch):
+            yield trip_answer(*kept)
 
 
 def _print_trips(trips: tuple[TripAnswer, ...], console: Console) -> None:

@@ -55,6 +55,6 @@ def _rows(
 
 def _trips(reader: HistoryReader, vehicle_id: str, from_ns: int, to_ns: int) -> Iterator[Told]:
     """Those that ended in the stretch."""
-    for trip in reader.trips(vehicle_id, from_ns, to_ns):
-        if trip.t_ns < to_ns:
+    for _, trip, is_over in reader.trips(vehicle_id, from_ns, to_ns):
+        if is_over and trip.t_ns < to_ns:
             yield trip.t_ns, vehicle_id, "history", trip

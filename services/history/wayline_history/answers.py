@@ -25,6 +25,8 @@ class TripAnswer(msgspec.Struct, frozen=True, kw_only=True):
     vehicle_id: str
     started: str
     ended: str
+    """Of one that is under way: how far it is known to have come."""
+    under_way: bool
     seconds: float
     distance_m: float
     distance_std_m: float
@@ -68,7 +70,7 @@ class EventList(msgspec.Struct, frozen=True, kw_only=True):
     next: str | None
 
 
-def trip_answer(vehicle_id: str, trip: Trip) -> TripAnswer:
+def trip_answer(vehicle_id: str, trip: Trip, is_over: bool) -> TripAnswer:
     """A trip with its times as text."""
     as_they_are = {
         name: getattr(trip, name)
@@ -78,6 +80,7 @@ def trip_answer(vehicle_id: str, trip: Trip) -> TripAnswer:
     return TripAnswer(
         **as_they_are,
         vehicle_id=vehicle_id,
+        under_way=not is_over,
         started=rfc3339(trip.started_ns),
         ended=rfc3339(trip.ended_ns),
         seconds=round((trip.ended_ns - trip.started_ns) * 1e-9, 3),

@@ -124,7 +124,7 @@ def _add_trips(app: FastAPI, archive: Archive, now_ns: Callable[[], int]) -> Non
         stretch = read_parameters(request.query_params, StretchParameters).stretch(now_ns())
         _check_known(archive, vehicle_id)
         found = archive.read(lambda reader: reader.trips(vehicle_id, *stretch))
-        return JsonAnswer(TripList(tuple(trip_answer(vehicle_id, trip) for trip in found)))
+        return JsonAnswer(TripList(tuple(trip_answer(*each) for each in found)))
 
     @app.get("/v1/vehicle-trips/{trip_key}", responses=answers(TripAnswer), tags=["history"])
     def trip(trip_key: str) -> JsonAnswer:

@@ -39,6 +39,8 @@ SECOND_NS = 1_000_000_000
 PIECE_NS = 10 * SECOND_NS
 """So much is lost of a process that is killed."""
 PIECE_ROWS = 2_000
+UNDER_WAY_PIECES = 6
+"""The trip under way is kept with every so many pieces."""
 
 
 class HistoryCore:
@@ -78,6 +80,7 @@ class HistoryCore:
         """Of the pose kept last."""
         self._progress_second = 0
         self._engine = NULL
+        self._pieces = 0
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take one input."""
@@ -154,6 +157,11 @@ class HistoryCore:
         self._trips.append(trip)
         return [trip]
 
+    def _is_due_under_way(self) -> bool:
+        """Once a minute: a long trip has many stops."""
+        self._pieces += 1
+        return self._pieces % UNDER_WAY_PIECES == 0
+
     def _keep(
         self, layout: Layout, message: Message | Verdict, **beside: int | str
     ) -> tuple[int, ...]:
@@ -173,10 +181,12 @@ class HistoryCore:
         rows = {
             kind: Rows(tuple(each), tuple(self._texts[kind])) for kind, each in self._rows.items()
         }
+        under_way = self._cutter.under_way if self._is_due_under_way() else None
         piece = Piece(
             rows=rows,
             events=self._incidents.spans.take(),
             trips=tuple(self._trips),
+            under_way=under_way,
             is_last=is_last,
         )
         self._rows.clear()

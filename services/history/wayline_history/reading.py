@@ -28,6 +28,14 @@ class VehicleKept(NamedTuple):
     bytes: int
 
 
+class KeptTrip(NamedTuple):
+    """A trip, and whether it is over; one that is not has come so far as yet."""
+
+    vehicle_id: str
+    trip: Trip
+    is_over: bool
+
+
 class HistoryReader:
     """Reads from an engine of `open_database(url, "wayline_history")`, in any thread."""
 
@@ -92,31 +100,32 @@ class HistoryReader:
                 if len(inside):
                     yield inside
 
-    def trips(self, vehicle_id: str, from_ns: int, to_ns: int) -> list[Trip]:
+    def trips(self, vehicle_id: str, from_ns: int, to_ns: int) -> list[KeptTrip]:
         """The trips of a vehicle that have a part between two instants, in order of time."""
         number = self._number(vehicle_id)
         if number is None:
             return []
         query = (
-            sa.select(TRIPS.c.data)
+            sa.select(VEHICLES.c.vehicle_id, TRIPS.c.data, TRIPS.c.is_over)
+            .join_from(TRIPS, VEHICLES, TRIPS.c.vehicle_no == VEHICLES.c.vehicle_no)
             .where(
                 TRIPS.c.vehicle_no == number, TRIPS.c.started_ns < to_ns, TRIPS.c.ended_ns > from_ns
             )
             .order_by(TRIPS.c.started_ns)
         )
         with self._engine.connect() as connection:
-            return [msgspec.json.decode(row[0], type=Trip) for row in connection.execute(query)]
+            return [_kept_trip(*row) for row in connection.execute(query)]
 
-    def trip(self, trip_key: str) -> tuple[str, Trip] | None:
-        """A trip and its vehicle; None where there is none of that key."""
+    def trip(self, trip_key: str) -> KeptTrip | None:
+        """A trip; None where there is none of that key."""
         query = (
-            sa.select(VEHICLES.c.vehicle_id, TRIPS.c.data)
+            sa.select(VEHICLES.c.vehicle_id, TRIPS.c.data, TRIPS.c.is_over)
             .join_from(TRIPS, VEHICLES, TRIPS.c.vehicle_no == VEHICLES.c.vehicle_no)
             .where(TRIPS.c.trip_key == trip_key)
         )
         with self._engine.connect() as connection:
             row = connection.execute(query).first()
-        return None if row is None else (row[0], msgspec.json.decode(row[1], type=Trip))
+        return None if row is None else _kept_trip(*row)
 
     def events(self, vehicle_id: str, from_ns: int, to_ns: int, limit: int) -> list[Event]:
         """What happened to a vehicle and to the fleet's services, in order of time."""
@@ -161,3 +170,7 @@ class HistoryReader:
         for _, rows in groupby(found, lambda row: row[0]):
             chunks = [decoded(layout, row[1]) for row in rows]
             yield chunks[0] if len(chunks) == 1 else merged(layout, chunks)
+
+
+def _kept_trip(vehicle_id: str, data: bytes, is_over: bool) -> KeptTrip:
+    return KeptTrip(vehicle_id, msgspec.json.decode(data, type=Trip), is_over)

@@ -42,6 +42,8 @@ class Piece(Record, frozen=True, kw_only=True):
     rows: Mapping[Kind, Rows] = {}
     events: tuple[Event, ...] = ()
     trips: tuple[Trip, ...] = ()
+    under_way: Trip | None = None
+    """A trip that goes on, as far as it has come."""
     is_last: bool = False
     """Input has ended."""
 

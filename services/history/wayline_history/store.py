@@ -56,7 +56,9 @@ class HistoryStore:
             _insert_chunks(connection, [(numbers[vehicle], chunk) for vehicle, chunk in chunks])
             for vehicle, piece in pieces:
                 sizes += _put_events(connection, numbers[vehicle], piece.events)
-                _put_trips(connection, numbers[vehicle], piece.trips)
+                under_way = [] if piece.under_way is None else [piece.under_way]
+                _put_trips(connection, numbers[vehicle], under_way, is_over=False)
+                _put_trips(connection, numbers[vehicle], piece.trips, is_over=True)
             _add_sizes(connection, sizes, int(self._clock_s()))
             if alive_ns is not None:
                 _set_alive(connection, alive_ns)
@@ -150,11 +152,13 @@ def _put_events(connection: sa.Connection, number: int, events: Sequence[Event])
     return sizes
 
 
-def _put_trips(connection: sa.Connection, number: int, trips: Sequence[Trip]) -> None:
+def _put_trips(
+    connection: sa.Connection, number: int, trips: Sequence[Trip], *, is_over: bool
+) -> None:
     if not trips:
         return
     insert = _inserting(connection, TRIPS)
-    newer = {"data": insert.excluded.data, "ended_ns": insert.excluded.ended_ns}
+    newer = {name: insert.excluded[name] for name in ("data", "ended_ns", "is_over")}
     connection.execute(
         insert.on_conflict_do_update(index_elements=[TRIPS.c.trip_key], set_=newer),
         [
@@ -163,6 +167,7 @@ def _put_trips(connection: sa.Connection, number: int, trips: Sequence[Trip]) ->
                 "vehicle_no": number,
                 "started_ns": trip.started_ns,
                 "ended_ns": trip.ended_ns,
+                "is_over": is_over,
                 "hour": trip.started_ns // NS_PER_HOUR,
                 "data": msgspec.json.encode(trip),
             }

@@ -60,6 +60,8 @@ TRIPS = sa.Table(
     sa.Column("vehicle_no", sa.Integer, nullable=False),
     sa.Column("started_ns", sa.BigInteger, nullable=False),
     sa.Column("ended_ns", sa.BigInteger, nullable=False),
+    # else it went as far as `ended_ns` when something of it was kept last
+    sa.Column("is_over", sa.Boolean, nullable=False),
     sa.Column("hour", sa.Integer, nullable=False),
     # the message, JSON
     sa.Column("data", sa.LargeBinary, nullable=False),

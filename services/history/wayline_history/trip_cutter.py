@@ -154,8 +154,13 @@ class TripCutter:
 
     def finish(self) -> Trip | None:
         """The trip under way ends here."""
-        trip, self._open = self._open, None
-        return None if trip is None else self._told(trip)
+        trip, self._open = self.under_way, None
+        return trip
+
+    @property
+    def under_way(self) -> Trip | None:
+        """The trip that goes on, as far as it has come; None where there is none yet."""
+        return None if self._open is None else self._told(self._open)
 
     def _go_on(self, before: Sample, sample: Sample) -> None:
         is_moving = self._moves(sample)

@@ -155,6 +155,7 @@ def test_where_nothing_is_kept_documents_are_whole_and_empty(http: TestClient) -
 def test_trips_and_one_trip(http: TestClient) -> None:
     (trip,) = asked(http, f"/v1/vehicles/{VEHICLE}/trips")["trips"]
     assert (trip["vehicle_id"], trip["started"]) == (VEHICLE, rfc3339(at(59)))
+    assert trip["under_way"] is False
     assert trip["stops"] == [
         {"started": rfc3339(at(160)), "dwell_s": 40.0, "lat_deg": LAT_DEG,
          "lon_deg": pytest.approx(LON_DEG, abs=0.1)},

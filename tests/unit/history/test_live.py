@@ -91,7 +91,7 @@ def test_a_trip_that_was_under_way_when_the_service_ended_goes_on(
         running.end()
     (whole,) = kept_of(drive, piece_ns=PIECE_NS).trips
     history = open_history(url)
-    assert history.reader.trips(VEHICLE, *EVER) == [whole]
+    assert [each.trip for each in history.reader.trips(VEHICLE, *EVER)] == [whole]
     assert len(history.times_s()) == 260
 
 

@@ -77,7 +77,7 @@ def test_trips_cut_again_from_the_store_are_those_cut_live(history: History) -> 
     ]
     again = kept_of([], known=rows).trips
     assert len(live) == 2
-    assert history.reader.trips(VEHICLE, at(0), at(1e5)) == live
+    assert [each.trip for each in history.reader.trips(VEHICLE, at(0), at(1e5))] == live
     # the cutter that was fed from the store ends only the last one by itself
     assert again == live[-1:]
 

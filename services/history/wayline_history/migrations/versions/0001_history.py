@@ -60,6 +60,7 @@ def upgrade() -> None:
         sa.Column("vehicle_no", sa.Integer, nullable=False),
         sa.Column("started_ns", sa.BigInteger, nullable=False),
         sa.Column("ended_ns", sa.BigInteger, nullable=False),
+        sa.Column("is_over", sa.Boolean, nullable=False),
         sa.Column("hour", sa.Integer, nullable=False),
         sa.Column("data", sa.LargeBinary, nullable=False),
     )
