@@ -162,6 +162,11 @@ class PatientStore(Generic[KeptType]):
             self._tell(self._news.get())
 
     @property
+    def backlog(self) -> int:
+        """How many records wait."""
+        return len(self._spool)
+
+    @property
     def problem(self) -> str | None:
         """What is wrong with the database now, in a few words; None where all is well."""
         waiting = f"{len(self._spool)} records wait"

@@ -17,14 +17,19 @@ from wayline.inbox import Inbox, Sample
 from wayline.keys import message_key
 from wayline.loop import Loop
 from wayline.messages import Pose
+from wayline.patient_store import PatientStore
 from wayline.settings import Settings
 from wayline_bench.history_drives import drive
 from wayline_history.__main__ import build
+from wayline_history.kept import HistoryTables
 
 FLEET = 500
 HOUR_S = 3_600.0
 BACKLOG_MAX = 5_000
 PAUSE_S = 0.002
+
+
+Waits = PatientStore[HistoryTables]
 
 
 class KeptHour(NamedTuple):
@@ -41,7 +46,9 @@ def keep_hour(database_url: str, progressed: Callable[[float], None]) -> KeptHou
     """Keep the hour in a new database."""
     settings = Settings(vehicles=("*",), database_url=database_url)
     service = build(settings, Namespace())
-    inbox, ending = Inbox(), Ending()
+    store, inbox, ending = service.store, Inbox(), Ending()
+    if not isinstance(store, PatientStore):
+        raise AssertionError("history has a store that waits for its database")
     payloads = [encode(pose) for pose in drive(int(HOUR_S))]
     keys = [message_key(f"bus-{number}", Pose.topic, "fusion") for number in range(FLEET)]
     with zenoh.open(_alone()) as session, ThreadPoolExecutor(1) as threads:
@@ -50,27 +57,28 @@ def keep_hour(database_url: str, progressed: Callable[[float], None]) -> KeptHou
         running = threads.submit(loop.run)
         first_mb = 0.0
         for second, payload in enumerate(payloads):
-            _put(inbox, keys, payload)
+            _put(inbox, store, keys, payload)
             if second == len(payloads) // 4:
                 first_mb = _memory_mb()
             if second % 60 == 0:
                 progressed(second / len(payloads))
-        while inbox.backlog:
+        while inbox.backlog or store.backlog:
             time.sleep(PAUSE_S)
         last_mb = _memory_mb()
         ending.request()
         running.result()
-        if loop.dropped or service.bad_input():
-            raise AssertionError(f"{loop.dropped} messages dropped")
+        if loop.dropped or store.detail:
+            raise AssertionError(f"{loop.dropped} messages dropped; {store.detail}")
         return KeptHour(time.process_time() - started_s, first_mb, last_mb)
 
 
-def _put(inbox: Inbox, keys: list[str], payload: bytes) -> None:
+def _put(inbox: Inbox, store: Waits, keys: list[str], payload: bytes) -> None:
+    """A pose of every vehicle, once there is room for it: nothing is to be dropped."""
     received_ns, heard_ns = time.time_ns(), time.monotonic_ns()
     for key in keys:
         inbox.put(Sample(key, payload, received_ns, heard_ns))
     pause = threading.Event()
-    while inbox.backlog > BACKLOG_MAX:
+    while inbox.backlog > BACKLOG_MAX or store.backlog > BACKLOG_MAX:
         pause.wait(PAUSE_S)
 
 

@@ -130,15 +130,20 @@ function renderPanel(): void {
   const vehicle = fleet.vehicles.get(selected() ?? "");
   const isBusThere = goneBus(services()) === null;
   const isLive = line.kind === "open" && isBusThere;
+  const isPast = past.vehicleId !== null;
   const parts =
     vehicle === undefined
       ? html`<p class="empty">${wasOpen ? "No vehicle has been heard yet." : "Connecting…"}</p>`
-      : html`${vehiclePanel(vehicle, now)} ${details(vehicle, now)}`;
+      : past.vehicleId === vehicle.vehicle_id
+        ? pastPanel(vehicle.vehicle_id, past, vehicleNowMs(vehicle, now))
+        : html`${vehiclePanel(vehicle, now)} ${details(vehicle, now)}`;
   render(
     html`
       <header>
         <h1>Wayline</h1>
-        <span class="line-state ${isLive ? "open" : "closed"}">${isLive ? "live" : "not live"}</span>
+        <span class="line-state ${isLive && !isPast ? "open" : "closed"}"
+          >${isPast ? "past" : isLive ? "live" : "not live"}</span
+        >
       </header>
       ${vehicleList(fleet.vehicles.values(), selected(), now, choose)} ${parts}
       ${servicesPanel(services(), isBusThere, now)}

@@ -6,7 +6,19 @@ import type { TemplateResult } from "lit-html";
 import type { Form, PastEvent, Trip } from "../past/history";
 import { HOUR_MS, startOfDay } from "../past/past";
 import type { Past } from "../past/past";
-import { clockRange, clockTime, dateAndTime, duration, length } from "../words";
+import type { Pose } from "../view";
+import {
+  MODE_NAMES,
+  UNKNOWN,
+  clockRange,
+  clockTime,
+  compassPoint,
+  dateAndTime,
+  duration,
+  heading,
+  length,
+  speedKmh,
+} from "../words";
 
 const SPEEDS = [1, 5, 10, 30, 60, 300];
 const HOURS = Array.from({ length: 24 }, (_, hour) => hour);
@@ -38,7 +50,7 @@ export function pastPanel(vehicleId: string, past: Past, nowMs: number): Templat
   return html`
     <section id="past" aria-labelledby="past-title" aria-busy=${past.isLoading ? "true" : "false"}>
       <div class="title-row">
-        <h2 id="past-title">Past</h2>
+        <h2 id="past-title">${vehicleId}, past</h2>
         <button id="past-close" type="button" @click=${() => past.close()}>Back to live</button>
       </div>
       ${player(past)} ${choice(past, nowMs)} ${tripList(past)} ${eventList(past)} ${files(past)}
@@ -51,6 +63,7 @@ function player(past: Past): TemplateResult {
   return html`
     <div class="player">
       <output id="past-at">${said(past)}</output>
+      <p id="past-pose" class="past-more">${poseText(past.pose)}</p>
       <input
         id="past-slider"
         type="range"
@@ -91,6 +104,20 @@ function said(past: Past): string {
   return past.isEmpty ? "Nothing is kept of this time." : dateAndTime(past.atMs);
 }
 
+function poseText(pose: Pose | null): string {
+  if (pose === null) {
+    return UNKNOWN;
+  }
+  const { mode, speed_mps, heading_deg, alt_m } = pose;
+  const parts = [
+    MODE_NAMES[mode],
+    `${speedKmh(speed_mps)} km/h`,
+    `${heading(heading_deg)} ${compassPoint(heading_deg)}`,
+    `altitude ${length(alt_m)}`,
+  ];
+  return parts.filter((part) => !part.includes(UNKNOWN)).join(" · ");
+}
+
 function choice(past: Past, nowMs: number): TemplateResult {
   const hour = Math.floor((past.span.fromMs - past.dayMs) / HOUR_MS);
   return html`
@@ -126,7 +153,7 @@ function choice(past: Past, nowMs: number): TemplateResult {
 
 function tripList(past: Past): TemplateResult {
   if (past.trips.length === 0) {
-    return html`<p class="empty">No trip has ended on this day.</p>`;
+    return html`<p class="empty">No trip is known of this day.</p>`;
   }
   return html`
     <h3>Trips</h3>
@@ -142,11 +169,15 @@ function tripList(past: Past): TemplateResult {
 
 function tripText(trip: Trip): TemplateResult {
   const stops = trip.stops.length;
+  const more = [
+    length(trip.distance_m),
+    duration(trip.seconds),
+    ...(stops === 0 ? [] : [stops === 1 ? "1 stop" : `${stops} stops`]),
+    ...(trip.under_way ? ["under way"] : []),
+  ];
   return html`
     <span>${clockRange(Date.parse(trip.started), Date.parse(trip.ended))}</span>
-    <span class="past-more"
-      >${length(trip.distance_m)}, ${duration(trip.seconds)}${stops === 0 ? "" : `, ${stops} stops`}</span
-    >
+    <span class="past-more">${more.join(", ")}</span>
   `;
 }
 

@@ -14,6 +14,7 @@ export interface Trip {
   trip_key: string;
   started: string;
   ended: string;
+  under_way: boolean;
   seconds: number;
   distance_m: number;
   climb_m: number | null;

@@ -1,7 +1,7 @@
 // The past of one vehicle: a day's trips and events, a stretch of it that is replayed.
 
 import type { Fleet } from "../fleet";
-import type { TrailPoint } from "../view";
+import type { Pose, TrailPoint } from "../view";
 import { events, save, track, trips } from "./history";
 import type { Form, PastEvent, Span, Trip } from "./history";
 import { PastTrack } from "./track";
@@ -116,13 +116,18 @@ export class Past {
     if (this.vehicleId === null) {
       return fleet;
     }
-    const pose = this.track.poseAt(this.atMs);
+    const { pose } = this;
     if (this.trailTo !== this.atMs) {
       this.trail = this.track.trailTo(this.atMs);
       this.trailTo = this.atMs;
     }
     const then = { vehicle_id: this.vehicleId, trail: this.trail, ...(pose && { pose }) };
     return { ...fleet, vehicles: new Map([[this.vehicleId, then]]) };
+  }
+
+  /** Where the vehicle was then. */
+  get pose(): Pose | null {
+    return this.track.poseAt(this.atMs);
   }
 
   get isEmpty(): boolean {
@@ -170,14 +175,12 @@ export class Past {
     await this.trying(async (isCurrent) => {
       const points = await track(vehicleId, span, STEP_S);
       if (isCurrent()) {
+        // the slider spans what there is, of an hour that is half empty too
+        const [first, last] = [points[0], points.at(-1)].map((each) => each && Date.parse(each.t));
         this.track = new PastTrack(points);
-        this.span = span;
-        this.atMs = span.fromMs;
+        this.span = { fromMs: first ?? span.fromMs, toMs: last ?? span.toMs };
+        this.atMs = this.span.fromMs;
         this.trailTo = -1;
-        const first = points[0];
-        if (first !== undefined) {
-          this.seek(Date.parse(first.t));
-        }
       }
     });
   }
