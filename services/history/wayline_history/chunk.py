@@ -65,21 +65,15 @@ def chunk_of(layout: Layout, rows: Sequence[tuple[int, ...]], texts: Iterable[st
 def merged(layout: Layout, chunks: Sequence[Chunk]) -> Chunk:
     """Several chunks as one: in order of time, what came twice once; of two the later one stands.
 
-    Rows are the same where time and, if there is one, source are.
+    Rows are the same where the time is, and what else tells rows of one instant apart.
     """
     texts: dict[str, int] = {}
     values = np.concatenate([_renumbered(chunk, texts) for chunk in chunks])
-    names = [column.name for column in layout.columns]
-    keys = [
-        values[:, names.index("source")] if "source" in names else np.zeros(len(values)),
-        values[:, 0],
-    ]
-    order = np.lexsort(keys)
-    values = values[order]
-    if len(values) > 1:
-        same = np.all(np.diff(np.column_stack([key[order] for key in keys]), axis=0) == 0, axis=1)
-        values = values[np.append(~same, True)]
-    return Chunk(layout, values, tuple(texts))
+    apart = [place for place, column in enumerate(layout.columns) if column.is_apart]
+    values = values[np.lexsort([values[:, place] for place in (*apart, 0)])]
+    keys = values[:, [0, *apart]]
+    is_last = np.append(np.any(keys[1:] != keys[:-1], axis=1), [True] * bool(len(keys)))
+    return Chunk(layout, values[is_last.astype(bool)], tuple(texts))
 
 
 def _renumbered(chunk: Chunk, texts: dict[str, int]) -> Values:

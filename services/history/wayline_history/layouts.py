@@ -34,6 +34,8 @@ class Column(NamedTuple):
     """Where it is one of a few words: these; the row holds which."""
     is_text: bool = False
     """Where it is free text: the row holds its number among the texts beside it."""
+    is_apart: bool = False
+    """Rows of one instant that differ in it are several."""
 
 
 class Layout(NamedTuple):
@@ -119,7 +121,7 @@ FIXES = Layout(
         Column("satellites"),
         Column("hdop", 100.0),
         Column("h_std_m", 100.0),
-        Column(SOURCE, is_text=True),
+        Column(SOURCE, is_text=True, is_apart=True),
     ),
 )
 PROGRESSES = Layout(
@@ -143,7 +145,7 @@ PROGRESSES = Layout(
 REFUSALS = Layout(
     "refused",
     4,
-    (TIME, Column("sensor", is_text=True), Column("reason", is_text=True)),
+    (TIME, Column("sensor", is_text=True, is_apart=True), Column("reason", is_text=True)),
 )
 LAYOUTS: dict[Kind, Layout] = {each.kind: each for each in (FIXES, POSES, PROGRESSES, REFUSALS)}
 BY_NUMBER = {each.number: each for each in LAYOUTS.values()}

@@ -7,7 +7,7 @@ import msgspec
 
 from wayline.core import Record
 from wayline.messages import Trip
-from wayline_history.layouts import Kind
+from wayline_history.layouts import US, Kind
 
 EventKind = Literal[
     "mode", "outage", "rejected", "off_route", "stop", "service_up", "service_down", "gap"
@@ -49,6 +49,6 @@ class Piece(Record, frozen=True, kw_only=True):
 
     def span_ns(self) -> tuple[int, int] | None:
         """Its first and last instant; None where it holds no rows and no events."""
-        times = [row[0] * 1_000 for each in self.rows.values() for row in each.rows]
+        times = [row[0] * US for each in self.rows.values() for row in each.rows]
         times += [event.t_ns for event in self.events]
         return (min(times), max(times)) if times else None

@@ -6,8 +6,9 @@ from builders import at, fix
 from unit.history.driven import LAT_DEG, LON_DEG, kept_of, legs, pose
 from wayline.inputs import Tick
 from wayline.messages import FusionStatus, Message, Progress, StopEvent, Torque, Verdict
+from wayline_history.chunk import chunk_of
 from wayline_history.core import PIECE_NS, HistoryCore
-from wayline_history.layouts import ENGINE, POSES
+from wayline_history.layouts import ENGINE, POSES, REFUSALS
 
 
 def test_of_ten_poses_a_second_the_first_is_kept() -> None:
@@ -93,6 +94,16 @@ def test_each_refusal_is_kept_and_counted_in_its_trip() -> None:
     kept = kept_of([*drive[:80], *told, *drive[80:]])
     assert len(kept.rows("refused")) == 6
     assert kept.trips[0].rejected == 5
+
+
+def test_two_sensors_refused_at_one_instant_are_two_rows() -> None:
+    texts: dict[str, int] = {}
+    rows = [REFUSALS.row(verdict_of(sensor), texts) for sensor in ("gps_position", "course")]
+    assert len(chunk_of(REFUSALS, [*rows, rows[0]], texts)) == 2
+
+
+def verdict_of(sensor: str) -> Verdict:
+    return Verdict(sensor=sensor, t_ns=at(1), accepted=False, nis=9.0, threshold=1.0, reason="far")
 
 
 def progress(seconds: float, *, on_route: bool) -> Progress:
