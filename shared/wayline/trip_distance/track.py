@@ -1,0 +1,96 @@
+"""Pure: the fixes of a trip as arrays, in order of time, and how far each can be trusted."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wayline.geo import WGS84
+from wayline.gps_quality import is_good
+from wayline.messages import GpsFix
+from wayline.tuning import Tuning
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+HOLE_S = 3.0
+"""Over a longer step the speeds at its ends no longer tell how far the vehicle came."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """Valid fixes at n instants that increase; nan where a receiver does not tell."""
+
+    times_s: Floats
+    """Since the first one."""
+    lats_deg: Floats
+    lons_deg: Floats
+    speeds_mps: Floats
+    """As measured by Doppler; nan where the speed is derived from positions."""
+    courses_deg: Floats
+    speed_stds_mps: Floats
+    """One sigma of a speed, by the receiver's own word or by HDOP, satellites and PDOP."""
+    good: Flags
+    """At least 4 satellites and PDOP at most 8 (papers/003)."""
+
+    def __len__(self) -> int:
+        return len(self.times_s)
+
+    @cached_property
+    def _steps(self) -> tuple[Floats, Floats]:
+        bearings_deg, _, chords_m = WGS84.inv(
+            self.lons_deg[:-1], self.lats_deg[:-1], self.lons_deg[1:], self.lats_deg[1:]
+        )
+        return np.asarray(bearings_deg), np.asarray(chords_m)
+
+    @property
+    def chords_m(self) -> Floats:
+        """Straight lines from fix to fix, shape (n - 1,)."""
+        return self._steps[1]
+
+    @cached_property
+    def places_m(self) -> Floats:
+        """East and north of the first fix, shape (n, 2): steps added up, each in its own plane."""
+        bearings_rad = np.radians(self._steps[0])
+        steps_m = self.chords_m[:, np.newaxis] * np.column_stack(
+            (np.sin(bearings_rad), np.cos(bearings_rad))
+        )
+        return np.concatenate((np.zeros((1, 2)), np.cumsum(steps_m, axis=0)))
+
+    @cached_property
+    def steps_s(self) -> Floats:
+        """Times from fix to fix, shape (n - 1,)."""
+        return np.diff(self.times_s)
+
+    @cached_property
+    def holes(self) -> Flags:
+        """Steps that are longer than speeds at their ends can span, shape (n - 1,)."""
+        return self.steps_s > HOLE_S
+
+
+def track_of(fixes: Sequence[GpsFix], tuning: Tuning) -> Track:
+    """Of valid fixes in order of time; speeds that are derived from positions are left out."""
+    return Track(
+        times_s=np.array([(fix.t_ns - fixes[0].t_ns) * 1e-9 for fix in fixes]),
+        lats_deg=_column([fix.lat_deg for fix in fixes]),
+        lons_deg=_column([fix.lon_deg for fix in fixes]),
+        speeds_mps=_column([None if fix.speed_derived else fix.speed_mps for fix in fixes]),
+        courses_deg=_column([fix.course_deg for fix in fixes]),
+        speed_stds_mps=np.array([speed_std_mps(fix, tuning) for fix in fixes]),
+        good=np.array([is_good(fix, tuning) for fix in fixes]),
+    )
+
+
+def _column(values: Sequence[float | None]) -> Floats:
+    return np.array([math.nan if value is None else value for value in values])
+
+
+def speed_std_mps(fix: GpsFix, tuning: Tuning) -> float:
+    """One sigma of a fix's speed: its own where reported, else by HDOP; more of a bad fix."""
+    if fix.speed_std_mps is not None:
+        return max(fix.speed_std_mps, tuning.gps_speed_std_mps)
+    std_mps = tuning.gps_speed_std_mps * max(fix.hdop or 1.0, 1.0)
+    return std_mps if is_good(fix, tuning) else std_mps * tuning.bad_gps_factor
