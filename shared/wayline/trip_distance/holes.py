@@ -1,19 +1,26 @@
 """Pure: how far a vehicle went while no fix told it, by speed and direction on both sides.
 
 The shape of the way (`shape`), as winding as the trip's other stretches are (`windings`), is one
-answer. The speeds at both ends times the time are another, right for as long as the vehicle keeps
-driving. The two are weighed by what each may be off. Along a route neither is needed.
+answer. The speeds at both ends, and those of doubtful fixes between, times the time are another,
+right for as long as the vehicle keeps driving. The two are weighed by what each may be off. Along a
+route neither is needed.
 """
 
 import math
 
+import numpy as np
+
 from wayline.line import Line
+from wayline.trip_distance.integrated_walk import Flags, Floats
 from wayline.trip_distance.shape import Way, way_by_shape
-from wayline.trip_distance.track import Floats, Track
+from wayline.trip_distance.track import Track
+from wayline.trip_distance.trust import Hole
 from wayline.trip_distance.windings import Windings
 
 SPEED_STD_MPS_PER_SQRT_S = 0.5
 """Between two known speeds a vehicle's speed wanders by so much in a second."""
+DOUBTFUL_SPEED_SHARE = 0.5
+"""Of a doubtful fix's std of speed: what all of them in a hole have in common."""
 WAITED_STD_SHARE = 0.5
 """Of what speeds say beyond the shape: a vehicle that waits is why they say too much."""
 DETOUR_STD_SHARE = 0.15
@@ -30,41 +37,45 @@ ROUTE_CHORDS_MAX = 4.0
 
 
 class Bridges:
-    """Over the holes of one trip; `speeds_mps` at its fixes, a route where it follows one."""
+    """Over the holes of one trip: its way by speeds alone, and a route where it follows one."""
 
     def __init__(
-        self, track: Track, speeds_mps: Floats, ways_m: Floats, route: Line | None
+        self, track: Track, steps_m: Floats, believed: Flags, route: Line | None = None
     ) -> None:
         self._track = track
-        self._speeds_mps = speeds_mps
-        self._windings = Windings(track, ways_m)
+        self._ways_m = np.concatenate(([0.0], np.cumsum(steps_m)))
+        self._windings = Windings(track, self._ways_m, believed)
         self._route = route
 
-    def over(self, hole: int) -> Way:
-        """From fix `hole` to the next one."""
-        chord_m = float(self._track.chords_m[hole])
+    def over(self, hole: Hole) -> Way:
+        """From the fix at which it begins to the one at which it ends."""
+        chord_m = self._track.chord_m(*hole)
         by_route = None if self._route is None else _along(self._route, self._track, hole)
-        way = by_route or self._by_shape_and_speed(hole, chord_m)
-        return way._replace(distance_m=max(way.distance_m, chord_m))
+        return by_route or self._by_shape_and_speed(hole, chord_m)
 
-    def _by_shape_and_speed(self, hole: int, chord_m: float) -> Way:
-        plain = way_by_shape(self._track, hole, hole + 1)
+    def _by_shape_and_speed(self, hole: Hole, chord_m: float) -> Way:
+        plain = way_by_shape(self._track, *hole)
         winding = self._windings.of(chord_m)
         speed_m, speed_std_m = self._by_speed(hole)
         waited_m = max(speed_m - plain.distance_m, 0.0)
         by_speed = Way(speed_m, math.hypot(speed_std_m, WAITED_STD_SHARE * waited_m))
+        # no way is shorter than its chord, but where a reflection is at one end of it
+        shortest_m = min(chord_m, speed_m + 2.0 * speed_std_m)
         by_shape = Way(
             plain.distance_m * (1.0 + winding.longer),
             math.hypot(plain.distance_std_m, winding.std * plain.distance_m),
         )
         way = weighed(by_shape, by_speed)
         detour_std_m = DETOUR_STD_SHARE * min(waited_m, DETOUR_CHORDS_MAX * chord_m)
-        return way._replace(distance_std_m=math.hypot(way.distance_std_m, detour_std_m))
+        return Way(max(way.distance_m, shortest_m), math.hypot(way.distance_std_m, detour_std_m))
 
-    def _by_speed(self, hole: int) -> Way:
-        taken_s = float(self._track.steps_s[hole])
-        mean_mps = 0.5 * float(self._speeds_mps[hole] + self._speeds_mps[hole + 1])
-        return Way(mean_mps * taken_s, SPEED_STD_MPS_PER_SQRT_S * math.sqrt(taken_s**3 / 12.0))
+    def _by_speed(self, hole: Hole) -> Way:
+        steps_s = self._track.steps_s[hole.begin : hole.end]
+        told_mps = self._track.speed_stds_mps[hole.begin : hole.end + 1]
+        between_m = SPEED_STD_MPS_PER_SQRT_S * math.sqrt(float(np.sum(steps_s**3)) / 12.0)
+        alike_m = DOUBTFUL_SPEED_SHARE * float(np.median(told_mps) * np.sum(steps_s))
+        way_m = float(self._ways_m[hole.end] - self._ways_m[hole.begin])
+        return Way(way_m, math.hypot(between_m, alike_m))
 
 
 def weighed(one: Way, other: Way) -> Way:
@@ -75,17 +86,16 @@ def weighed(one: Way, other: Way) -> Way:
     return Way(mean_m, math.sqrt(share * one.distance_std_m**2 + apart_m2))
 
 
-def _along(route: Line, track: Track, hole: int) -> Way | None:
+def _along(route: Line, track: Track, hole: Hole) -> Way | None:
     """The way along a route; None where the ends do not lie on it, one behind the other."""
     begin, end = (
-        route.project(float(track.lats_deg[fix]), float(track.lons_deg[fix]))
-        for fix in (hole, hole + 1)
+        route.project(float(track.lats_deg[fix]), float(track.lons_deg[fix])) for fix in hole
     )
     if begin is None or end is None:
         return None
     if max(abs(begin.cross_track_m), abs(end.cross_track_m)) > BESIDE_ROUTE_M:
         return None
-    way_m, chord_m = end.distance_m - begin.distance_m, float(track.chords_m[hole])
+    way_m, chord_m = end.distance_m - begin.distance_m, track.chord_m(*hole)
     if not chord_m - BESIDE_ROUTE_M <= way_m <= ROUTE_CHORDS_MAX * chord_m:
         return None
-    return Way(way_m, math.hypot(ROUTE_STD_M, ROUTE_STD_SHARE * way_m))
+    return Way(max(way_m, chord_m), math.hypot(ROUTE_STD_M, ROUTE_STD_SHARE * way_m))

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 RATE_STD = 1e3
 """Before anything is measured, of the rate, and of a value that is never measured: unknown."""

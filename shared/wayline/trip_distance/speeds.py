@@ -11,17 +11,17 @@ import numpy as np
 
 from wayline.trip_distance.integrated_walk import Floats, smoothed
 from wayline.trip_distance.track import Track
+from wayline.trip_distance.trust import (
+    ACCELERATION_MPS_PER_SQRT_S,
+    BAD_POSITION_STD_M,
+    HOLE_S,
+    POSITION_STD_M,
+)
 
 Basis = Literal["speeds", "positions"]
 
 JERK_MPS2_PER_SQRT_S = 1.0
 """Within a second an acceleration changes by so much: brakes and gears."""
-ACCELERATION_MPS_PER_SQRT_S = 1.5
-"""Within a second a velocity changes by so much, either way: turns, brakes."""
-POSITION_STD_M = 1.0
-"""Of a fix against its neighbours: the part of its error that does not wander slowly."""
-BAD_POSITION_FACTOR = 10.0
-"""A fix of few satellites or a poor PDOP is so much worse."""
 STANDING_MPS = 0.2
 """Doppler at rest reads less: it is noise, and no way."""
 STANDING_BY_POSITIONS_MPS = 0.5
@@ -64,7 +64,7 @@ def profile_of(track: Track) -> Profile:
 
 
 def _by_positions(track: Track, doubts: tuple[str, ...]) -> Profile:
-    stds_m = np.where(track.good, POSITION_STD_M, BAD_POSITION_FACTOR * POSITION_STD_M)
+    stds_m = np.where(track.good, POSITION_STD_M, BAD_POSITION_STD_M)
     made = smoothed(track.times_s, track.places_m, stds_m, ACCELERATION_MPS_PER_SQRT_S)
     speeds_mps = np.hypot(*made.rates.T)
     # a sum of steps knows its ends only; each start from rest adds what positions wander
@@ -78,7 +78,7 @@ def _by_positions(track: Track, doubts: tuple[str, ...]) -> Profile:
 
 def _spans_s(track: Track) -> Floats:
     """For how long each speed counts in a sum by trapezoids that leaves out the holes."""
-    halves_s = np.where(track.holes, 0.0, 0.5 * track.steps_s)
+    halves_s = np.where(track.steps_s > HOLE_S, 0.0, 0.5 * track.steps_s)
     spans_s: Floats = np.concatenate((halves_s, [0.0])) + np.concatenate(([0.0], halves_s))
     return spans_s
 
@@ -92,14 +92,15 @@ def positions_over_speeds(track: Track) -> float | None:
     ends = np.searchsorted(track.times_s, track.times_s + COMPARED_S)
     inside = ends < len(track)
     begins, ends = begins[inside], ends[inside]
-    holes = np.concatenate(([0], np.cumsum(track.holes)))
+    doubtful = (track.steps_s > HOLE_S) | ~(track.good[1:] & track.good[:-1])
+    doubts = np.concatenate(([0], np.cumsum(doubtful)))
     told_m = _added_up(track.speeds_mps, track.steps_s)
     ways_m = np.concatenate(([0.0], np.cumsum(track.chords_m)))
     way_m, by_speed_m = ways_m[ends] - ways_m[begins], told_m[ends] - told_m[begins]
     apart_m = np.linalg.norm(track.places_m[ends] - track.places_m[begins], axis=1)
     taken_s = track.times_s[ends] - track.times_s[begins]
     # a straight way only: its length is known by its ends
-    clear = (holes[ends] == holes[begins]) & (apart_m > COMPARED_MPS * taken_s)
+    clear = (doubts[ends] == doubts[begins]) & (apart_m > COMPARED_MPS * taken_s)
     clear &= (apart_m > 0.95 * way_m) & (by_speed_m > 0.0)
     if clear.sum() < COMPARED_MIN:
         return None

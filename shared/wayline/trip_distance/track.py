@@ -6,18 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wayline.geo import WGS84
+from wayline.geo import WGS84, step_between
 from wayline.gps_quality import is_good
 from wayline.messages import GpsFix
+from wayline.trip_distance.integrated_walk import Flags, Floats
 from wayline.tuning import Tuning
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
-HOLE_S = 3.0
-"""Over a longer step the speeds at its ends no longer tell how far the vehicle came."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +45,11 @@ class Track:
         """Straight lines from fix to fix, shape (n - 1,)."""
         return self._steps[1]
 
+    def chord_m(self, begin: int, end: int) -> float:
+        """The straight line between two fixes."""
+        ends = self.lats_deg[begin], self.lons_deg[begin], self.lats_deg[end], self.lons_deg[end]
+        return step_between(*map(float, ends)).distance_m
+
     @cached_property
     def places_m(self) -> Floats:
         """East and north of the first fix, shape (n, 2): steps added up, each in its own plane."""
@@ -64,11 +63,6 @@ class Track:
     def steps_s(self) -> Floats:
         """Times from fix to fix, shape (n - 1,)."""
         return np.diff(self.times_s)
-
-    @cached_property
-    def holes(self) -> Flags:
-        """Steps that are longer than speeds at their ends can span, shape (n - 1,)."""
-        return self.steps_s > HOLE_S
 
 
 def track_of(fixes: Sequence[GpsFix], tuning: Tuning) -> Track:

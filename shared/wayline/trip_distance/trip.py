@@ -14,8 +14,10 @@ import numpy as np
 from wayline.line import Line
 from wayline.messages import GpsFix, Odometer, Pose
 from wayline.trip_distance.holes import Bridges
+from wayline.trip_distance.integrated_walk import Flags, Floats
 from wayline.trip_distance.speeds import profile_of
-from wayline.trip_distance.track import Floats, Track, track_of
+from wayline.trip_distance.track import Track, track_of
+from wayline.trip_distance.trust import holes_between, trusted
 from wayline.trip_distance.wheels import Wheels
 from wayline.tuning import Tuning
 
@@ -91,8 +93,10 @@ class GpsWay(NamedTuple):
     times_ns: list[int]
     steps_m: Floats
     """Shape (n - 1,)."""
+    bridged: Flags
+    """Steps that lie in a hole, shape (n - 1,)."""
     hole_stds_m: Floats
-    """One sigma of each step that is a hole, 0 of the others; shape (n - 1,)."""
+    """One sigma of each step that ends a hole, 0 of the others; shape (n - 1,)."""
     white_std_m: float
     """One sigma of the sum of the steps that are none, by noise."""
     speeds_mps: Floats
@@ -109,7 +113,7 @@ class GpsWay(NamedTuple):
             ENDS_STD_M,
             SPEED_SCALE_STD * distance_m,
         )
-        bridged_m = float(self.steps_m[self.track.holes].sum())
+        bridged_m = float(self.steps_m[self.bridged].sum())
         return TripDistance(distance_m, std_m, self.basis, bridged_m, self.doubts)
 
 
@@ -120,16 +124,20 @@ def gps_way(fixes: Sequence[GpsFix], tuning: Tuning, route: Line | None = None) 
     track = track_of(fixes, tuning)
     profile = profile_of(track)
     steps_m = 0.5 * (profile.speeds_mps[1:] + profile.speeds_mps[:-1]) * track.steps_s
-    ways_m = np.concatenate(([0.0], np.cumsum(steps_m)))
-    bridges = Bridges(track, profile.speeds_mps, ways_m, route)
-    stds_m = np.zeros(len(steps_m))
-    for hole in np.flatnonzero(track.holes):
-        steps_m[hole], stds_m[hole] = bridges.over(int(hole))
+    believed = trusted(track)
+    bridges = Bridges(track, steps_m.copy(), believed, route)
+    bridged, stds_m = np.zeros(len(steps_m), dtype=bool), np.zeros(len(steps_m))
+    for hole in holes_between(track, believed):
+        inside = slice(hole.begin, hole.end)
+        way = bridges.over(hole)
+        steps_m[inside] = way.distance_m * track.steps_s[inside] / track.steps_s[inside].sum()
+        bridged[inside], stds_m[hole.end - 1] = True, way.distance_std_m
     doubts = profile.doubts if track.good.any() else (*profile.doubts, "no fix is good")
     return GpsWay(
         track=track,
         times_ns=[fix.t_ns for fix in fixes],
         steps_m=steps_m,
+        bridged=bridged,
         hole_stds_m=stds_m,
         white_std_m=profile.white_std_m,
         speeds_mps=profile.speeds_mps,
@@ -146,7 +154,7 @@ def _uncalibrated(wheels: Wheels) -> TripDistance:
 def _calibrated(wheels: Wheels, by_gps: GpsWay) -> TripDistance:
     """Wheels where they told, by the scale that fixes without a hole tell; GPS where not."""
     steps = wheels.steps(by_gps.times_ns)
-    compared = steps.told & ~by_gps.track.holes
+    compared = steps.told & ~by_gps.bridged
     scale, scale_std = _scale(
         float(by_gps.steps_m[compared].sum()), float(steps.ways_m[compared].sum()), by_gps
     )
@@ -155,7 +163,7 @@ def _calibrated(wheels: Wheels, by_gps: GpsWay) -> TripDistance:
     distance_m = scale * rolled_m + float(by_gps.steps_m[alone].sum())
     bridged_stds_m = np.where(alone, by_gps.hole_stds_m, 0.0)
     std_m = math.hypot(float(np.linalg.norm(bridged_stds_m)), scale_std * rolled_m, ENDS_STD_M)
-    bridged_m = float(by_gps.steps_m[alone & by_gps.track.holes].sum())
+    bridged_m = float(by_gps.steps_m[alone & by_gps.bridged].sum())
     return TripDistance(distance_m, std_m, "wheels", bridged_m, by_gps.doubts)
 
 

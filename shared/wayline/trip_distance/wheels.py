@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wayline.messages import Odometer, Pose
-from wayline.trip_distance.track import Flags, Floats
+from wayline.trip_distance.integrated_walk import Flags, Floats
 
 SILENCE_NS = 3_000_000_000
 """Beyond it wheels say nothing of the time between."""

@@ -9,8 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wayline.trip_distance.integrated_walk import Flags, Floats
 from wayline.trip_distance.shape import way_by_shape
-from wayline.trip_distance.track import Floats, Track
+from wayline.trip_distance.track import Track
+from wayline.trip_distance.trust import HOLE_S
 
 SHORTEST_M = 50.0
 """Of a stretch that is looked at."""
@@ -33,12 +35,17 @@ class Winding(NamedTuple):
 
 
 class Windings:
-    """Of one trip, at ways of one length and another; `ways_m` is the way up to each fix."""
+    """Of one trip, at ways of one length and another.
 
-    def __init__(self, track: Track, ways_m: Floats) -> None:
+    `ways_m` is the way up to each fix by speeds, `believed` are fixes whose positions are.
+    """
+
+    def __init__(self, track: Track, ways_m: Floats, believed: Flags) -> None:
         self._track = track
         self._ways_m = ways_m
-        self._holes = np.concatenate(([0], np.cumsum(track.holes)))
+        self._believed = believed
+        told = track.good[1:] & track.good[:-1] & (track.steps_s <= HOLE_S)
+        self._silences = np.concatenate(([0], np.cumsum(~told)))
         self._of_octave = cache(self._found)
 
     def of(self, chord_m: float) -> Winding:
@@ -72,7 +79,8 @@ class Windings:
         if not len(far):
             return None
         end = int(first + far[0])
-        return end if self._holes[end] == self._holes[begin] else None
+        is_told = self._silences[end] == self._silences[begin]
+        return end if is_told and self._believed[[begin, end]].all() else None
 
     def _longer(self, begin: int, end: int) -> float:
         way_m = float(self._ways_m[end] - self._ways_m[begin])

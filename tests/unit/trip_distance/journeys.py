@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import msgspec
 import numpy as np
 
 from builders import fix
@@ -51,6 +52,12 @@ def journey(
 def with_hole(fixes: Sequence[GpsFix], first: int, end: int) -> list[GpsFix]:
     """Without the fixes from one second up to another."""
     return [*fixes[:first], *fixes[end:]]
+
+
+def moved(one: GpsFix, north_deg: float, **fields: Any) -> GpsFix:
+    """A fix somewhere else."""
+    assert one.lat_deg is not None
+    return msgspec.structs.replace(one, lat_deg=one.lat_deg + north_deg, **fields)
 
 
 def metered(messages: Sequence[Message], **options: Any) -> TripDistance:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from builders import at, odometer
-from unit.trip_distance.journeys import Leg, journey, metered, with_hole
+from unit.trip_distance.journeys import Leg, journey, metered, moved, with_hole
 from wayline.line import Line
 from wayline.messages import GpsFix, Pose
 from wayline.trip_distance.trip import TripMeter
@@ -42,9 +42,7 @@ def test_standing_adds_nothing(*, tells_speed: bool) -> None:
 def test_reflections_add_nothing(*, tells_speed: bool) -> None:
     fixes = journey(STRAIGHT, tells_speed=tells_speed)
     for second in (100, 101, 102, 350, 500):
-        lat_deg = fixes[second].lat_deg
-        assert lat_deg is not None
-        fixes[second] = msgspec.structs.replace(fixes[second], lat_deg=lat_deg + 0.0007)
+        fixes[second] = moved(fixes[second], 0.0007)
     assert metered(fixes).distance_m == pytest.approx(9_000.0, rel=0.002)
 
 
@@ -85,6 +83,25 @@ def test_a_hole_along_a_route_is_as_long_as_the_route() -> None:
     assert told.distance_m == pytest.approx(460 * 12.0, rel=0.005)
     assert told.distance_std_m < 30.0
     assert metered(with_hole(waited, 90, 371)).distance_std_m > 100.0
+
+
+def test_fixes_of_few_satellites_end_no_hole() -> None:
+    """Before they are lost and after, positions are 500 km off and speeds 5 m/s."""
+    fixes = journey(STRAIGHT)
+    for second in (*range(190, 200), *range(240, 250)):
+        fixes[second] = moved(fixes[second], 5.0, satellites=3, speed_mps=20.0)
+    told = metered(with_hole(fixes, 200, 240))
+    assert told.distance_m == pytest.approx(9_000.0, rel=0.005)
+    assert told.bridged_m == pytest.approx(61 * 15.0, rel=0.02)
+
+
+def test_a_reflection_at_its_end_makes_no_hole_longer() -> None:
+    """Of 78 m, to the side."""
+    fixes = journey(STRAIGHT)
+    for second in range(240, 245):
+        fixes[second] = moved(fixes[second], 0.0007)
+    told = metered(with_hole(fixes, 235, 240))
+    assert told.distance_m == pytest.approx(9_000.0, abs=20.0)
 
 
 def test_wheels_get_their_scale_from_fixes_and_tell_the_rest() -> None:
