@@ -55,9 +55,8 @@ def profile_of(track: Track) -> Profile:
     told = ~np.isnan(track.speeds_mps)
     if np.mean(told) < TOLD_SHARE_MIN:
         return _by_positions(track, ())
-    ratio = positions_over_speeds(track)
-    if ratio is not None and abs(np.log(ratio)) > UNIT_TOLERANCE:
-        return _by_positions(track, (_unit_doubt(ratio),))
+    if doubt := unit_doubt(track):
+        return _by_positions(track, (doubt,))
     made = smoothed(track.times_s, track.speeds_mps, track.speed_stds_mps, JERK_MPS2_PER_SQRT_S)
     speeds_mps = np.where(made.values < STANDING_MPS, 0.0, made.values)
     return Profile(speeds_mps, "speeds", made.std_of_sum(_spans_s(track)), ())
@@ -113,9 +112,11 @@ def _added_up(speeds_mps: Floats, steps_s: Floats) -> Floats:
     return added
 
 
-def _unit_doubt(ratio: float) -> str:
-    """What the speeds may be in that are so far from what positions say."""
+def unit_doubt(track: Track) -> str | None:
+    """What told speeds may be in that are far from what positions say; None where they agree."""
+    ratio = positions_over_speeds(track)
+    if ratio is None or abs(np.log(ratio)) <= UNIT_TOLERANCE:
+        return None
+    said = f"speeds are {1.0 / ratio:.2f} times what positions say"
     unit, name = min(UNITS.items(), key=lambda each: abs(np.log(each[0] / ratio)))
-    if abs(np.log(unit / ratio)) < UNIT_TOLERANCE:
-        return f"speeds are {1.0 / ratio:.2f} times what positions say: {name} taken as m/s"
-    return f"speeds are {1.0 / ratio:.2f} times what positions say"
+    return f"{said}: {name} taken as m/s" if abs(np.log(unit / ratio)) < UNIT_TOLERANCE else said
