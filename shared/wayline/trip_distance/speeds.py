@@ -40,6 +40,21 @@ UNITS = {0.514444: "knots", 0.44704: "mph", 0.277778: "km/h"}
 """What a number in this unit is in m/s."""
 
 
+class UnitDoubt(NamedTuple):
+    """Speeds that are not in m/s."""
+
+    times: float
+    """They are so many times what positions say."""
+    unit: str | None
+    """What they seem to be in; None: nothing known."""
+    scale: float
+    """Times this they are in m/s."""
+
+    def __str__(self) -> str:
+        said = f"speeds are {self.times:.2f} times what positions say"
+        return said if self.unit is None else f"{said}: {self.unit} taken as m/s"
+
+
 class Profile(NamedTuple):
     """Speeds at the fixes of a track, 0 where the vehicle stands."""
 
@@ -56,7 +71,7 @@ def profile_of(track: Track) -> Profile:
     if np.mean(told) < TOLD_SHARE_MIN:
         return _by_positions(track, ())
     if doubt := unit_doubt(track):
-        return _by_positions(track, (doubt,))
+        return _by_positions(track, (str(doubt),))
     made = smoothed(track.times_s, track.speeds_mps, track.speed_stds_mps, JERK_MPS2_PER_SQRT_S)
     speeds_mps = np.where(made.values < STANDING_MPS, 0.0, made.values)
     return Profile(speeds_mps, "speeds", made.std_of_sum(_spans_s(track)), ())
@@ -112,11 +127,11 @@ def _added_up(speeds_mps: Floats, steps_s: Floats) -> Floats:
     return added
 
 
-def unit_doubt(track: Track) -> str | None:
+def unit_doubt(track: Track) -> UnitDoubt | None:
     """What told speeds may be in that are far from what positions say; None where they agree."""
     ratio = positions_over_speeds(track)
     if ratio is None or abs(np.log(ratio)) <= UNIT_TOLERANCE:
         return None
-    said = f"speeds are {1.0 / ratio:.2f} times what positions say"
     unit, name = min(UNITS.items(), key=lambda each: abs(np.log(each[0] / ratio)))
-    return f"{said}: {name} taken as m/s" if abs(np.log(unit / ratio)) < UNIT_TOLERANCE else said
+    is_known = abs(np.log(unit / ratio)) < UNIT_TOLERANCE
+    return UnitDoubt(1.0 / ratio, name if is_known else None, unit if is_known else ratio)

@@ -36,10 +36,14 @@ def plot_smoothing(
     distances, speeds, accelerations = figure.subplots(3, 1, height_ratios=[2.0, 1.0, 1.0])
     _distances(distances, report)
     around = _around(trip)
-    _series(speeds, trip, {name: each.speeds_mps for name, each in made.items()}, around)
-    speeds.set(ylabel="speed, m/s", title=f"{trip.name} (figure 3; shaded: bad fixes)")
-    slopes = {name: np.gradient(each.speeds_mps, trip.track.times_s) for name, each in made.items()}
-    _series(accelerations, trip, slopes, around)
+    wanted_mps, times_s = trip.reference.speeds_mps, trip.track.times_s
+    told = {name: each.speeds_mps for name, each in made.items()}
+    _series(speeds, trip, wanted_mps, told, around)
+    speeds.plot(times_s, trip.told_mps, ".", color="0.5", ms=4)
+    shown = "figure 3; thick: reference, dots: as told, shaded: bad fixes"
+    speeds.set(ylabel="speed, m/s", title=f"{trip.name} ({shown})")
+    slopes = {name: np.gradient(each, times_s) for name, each in told.items()}
+    _series(accelerations, trip, np.gradient(wanted_mps, times_s), slopes, around)
     accelerations.set(ylabel="acceleration, m/s2", xlabel="time, s")
     save_figure(figure, path)
 

@@ -52,7 +52,8 @@ def read_trip(folder: Path) -> ReadTrip:
         return ReadTrip(name, None, tuple(notes))
     track = track_of(fixes, drive.tuning)
     if doubt := unit_doubt(track):
-        notes.append(f'left out: {doubt}; give speed_mps = {{ name = "...", scale = ... }}')
+        mend = f'give speed_mps = {{ name = "...", scale = {doubt.scale:.6g} }}'
+        notes.append(f"left out: {doubt}; {mend}")
         return ReadTrip(name, None, tuple(notes))
     if not track.good.any():
         notes.append("no fix is good: fewer than 4 satellites or a PDOP above 8 throughout")

@@ -63,9 +63,8 @@ def smoothing_study(
             scores.append(scored.score)
     if not scores:
         name, told = next(iter(notes.items()))
-        raise InputError(
-            name, told[-1].removeprefix("left out: "), "name trips of ten fixes or more"
-        )
+        why, _, mend = told[-1].removeprefix("left out: ").partition("; ")
+        raise InputError(name, why, mend or "name longer trips")
     return report_of(scores, notes)
 
 
