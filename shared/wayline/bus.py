@@ -87,6 +87,9 @@ def client_config(settings: BusSettings) -> zenoh.Config:
         "connect_private_key": settings.tls_key,
     }
     entries |= {f"transport/link/tls/{key}": path for key, path in tls.items() if path}
+    if settings.tls_cert is not None:
+        # without it Zenoh keeps the certificate to itself, and a router that asks for it refuses
+        entries["transport/link/tls/enable_mtls"] = True
     for key, value in entries.items():
         config.insert_json5(key, json.dumps(value))
     return config

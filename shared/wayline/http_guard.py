@@ -4,19 +4,23 @@ ASGI middleware, so that WebSockets are guarded by the same lines as plain reque
 """
 
 import base64
-import hmac
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Send
+from starlette.types import Scope as HttpScope
 
 from wayline.http_problems import ProblemResponse, problem
+from wayline.http_scopes import Keyring, Scope
 from wayline.http_settings import is_loopback
 
 TOKEN_PROTOCOL = "wayline.bearer."  # noqa: S105 - a prefix, not a token
 """A browser cannot set headers on a WebSocket, so it offers its token as a subprotocol:
 this prefix and the token in base64url without padding."""
+
+SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+"""They change nothing (RFC 9110)."""
 
 
 def offered_token(headers: Headers) -> str | None:
@@ -39,34 +43,44 @@ def _decoded(text: str) -> str | None:
         return None
 
 
-def is_known(token: str, tokens: Sequence[str]) -> bool:
-    """Whether a token is one of ours, in a time that does not tell how nearly."""
-    matches = [hmac.compare_digest(token.encode(), known.encode()) for known in tokens]
-    return any(matches)
-
-
 class TokenGuard:
-    """Asks for a bearer token everywhere but on open paths."""
+    """Asks for a bearer token with the scope that a path needs; `needs` says None of open ones."""
 
     def __init__(
-        self, app: ASGIApp, *, tokens: Sequence[str], is_open: Callable[[str], bool]
+        self, app: ASGIApp, *, keyring: Keyring, needs: Callable[[str], Scope | None]
     ) -> None:
-        self.app, self.tokens, self.is_open = app, tokens, is_open
+        self.app, self.keyring, self.needs = app, keyring, needs
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass on what may pass, answer 401 to the rest."""
-        if scope["type"] == "lifespan" or self._may(scope):
+    async def __call__(self, scope: HttpScope, receive: Receive, send: Send) -> None:
+        """Pass on what may pass, answer 401 or 403 to the rest."""
+        refusal = None if scope["type"] == "lifespan" else self._refusal(scope)
+        if refusal is None:
             await self.app(scope, receive, send)
-            return
-        refusal = problem(401, "send Authorization: Bearer <token>", scope["path"])
-        response = ProblemResponse(refusal, {"www-authenticate": 'Bearer realm="wayline"'})
-        await response(scope, receive, send)
+        else:
+            await refusal(scope, receive, send)
 
-    def _may(self, scope: Scope) -> bool:
-        if scope["type"] == "http" and self.is_open(scope["path"]):
-            return True
+    def _refusal(self, scope: HttpScope) -> ProblemResponse | None:
+        needed = self._needed(scope)
+        if needed is None:
+            return None
         token = offered_token(Headers(scope=scope))
-        return token is not None and is_known(token, self.tokens)
+        granted = None if token is None else self.keyring.scope_of(token)
+        if granted is None:
+            asked = problem(401, "send Authorization: Bearer <token>", scope["path"])
+            return ProblemResponse(asked, {"www-authenticate": 'Bearer realm="wayline"'})
+        if granted >= needed:
+            return None
+        lacking = needed.name.lower()
+        detail = f"the token's scope is {granted.name.lower()}; this needs {lacking}"
+        challenge = f'Bearer realm="wayline", error="insufficient_scope", scope="{lacking}"'
+        return ProblemResponse(problem(403, detail, scope["path"]), {"www-authenticate": challenge})
+
+    def _needed(self, scope: HttpScope) -> Scope | None:
+        if scope["type"] == "http" and scope["method"] not in SAFE_METHODS:
+            return Scope.WRITE
+        needed = self.needs(scope["path"])
+        # a socket of an open path would be one that nobody has thought of
+        return Scope.READ if needed is None and scope["type"] == "websocket" else needed
 
 
 class LocalGuard:
@@ -76,10 +90,10 @@ class LocalGuard:
     cross-site WebSockets); their Host or Origin gives them away.
     """
 
-    def __init__(self, app: ASGIApp, *, behind_proxy: bool) -> None:
-        self.app, self.behind_proxy = app, behind_proxy
+    def __init__(self, app: ASGIApp, *, behind_proxy: bool, origins: Container[str] = ()) -> None:
+        self.app, self.behind_proxy, self.origins = app, behind_proxy, origins
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: HttpScope, receive: Receive, send: Send) -> None:
         """Pass on what may pass, answer 403 to the rest."""
         if scope["type"] == "lifespan" or self._may(Headers(scope=scope)):
             await self.app(scope, receive, send)
@@ -94,7 +108,9 @@ class LocalGuard:
         elif not is_loopback(_name_of(f"//{host}")):
             return False
         origin = headers.get("origin")
-        return origin is None or urlsplit(origin).netloc == host
+        if origin is None or origin in self.origins:
+            return True
+        return urlsplit(origin).netloc == host
 
 
 def _name_of(url: str) -> str:

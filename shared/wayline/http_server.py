@@ -9,6 +9,7 @@ import uvicorn
 from starlette.types import ASGIApp
 
 from wayline.errors import InputError
+from wayline.http_deadlines import DeadlineProtocol
 from wayline.http_settings import HttpSettings, check_exposure
 
 GRACE_S = 2
@@ -81,6 +82,7 @@ def _config(app: ASGIApp, settings: HttpSettings) -> uvicorn.Config:
     return uvicorn.Config(
         app,
         log_config=None,
+        http=DeadlineProtocol,
         access_log=False,
         server_header=False,
         proxy_headers=settings.behind_proxy,

@@ -1,7 +1,7 @@
 """Pure: where a service's HTTP listens, who may ask, and when that would be too open."""
 
 import ipaddress
-from typing import Annotated
+from typing import Annotated, Literal
 
 from msgspec import Meta
 
@@ -14,6 +14,21 @@ Token = Annotated[str, Meta(pattern=r"^[!-~]+$")]
 """Visible ASCII without spaces, as a header can carry it."""
 
 
+Sha256 = Annotated[str, Meta(pattern=r"^[0-9a-f]{64}$")]
+Origin = Annotated[str, Meta(pattern=r"^https?://[^/\s*]+$")]
+"""What a browser sends as a page's origin: scheme, host and port, without a path."""
+ScopeName = Literal["public", "read", "write"]
+
+
+class KeptToken(Strict, frozen=True, kw_only=True):
+    """A token of which only the hash is kept, so that who reads the file cannot ask."""
+
+    sha256: Sha256
+    """`printf %s TOKEN | sha256sum`"""
+    scope: ScopeName
+    """`public`: arrivals, routes, stops, GTFS-Realtime; `read`: all answers; `write`: all."""
+
+
 class HttpSettings(Strict, frozen=True, kw_only=True):
     """`[http]`"""
 
@@ -21,8 +36,15 @@ class HttpSettings(Strict, frozen=True, kw_only=True):
     """Address to listen on; anything but loopback needs tokens, and TLS or a proxy."""
     port: Annotated[int, Meta(ge=0, le=65535)] | None = None
     """Default: the service's own. 0 takes any free one."""
-    tokens: tuple[Token, ...] = ()
-    """Whoever sends one as `Authorization: Bearer` may ask; none: everybody on this machine."""
+    tokens: tuple[Token | KeptToken, ...] = ()
+    """Whoever sends one as `Authorization: Bearer` may ask; none: everybody on this machine.
+
+    A plain one has the scope `write`.
+    """
+    public: bool = False
+    """Arrivals, routes, stops and GTFS-Realtime are for everybody, without a token."""
+    cors_origins: tuple[Origin, ...] = ()
+    """Web pages from elsewhere that may ask, e.g. "https://transit.example"."""
     tls_cert: str | None = None
     """File with the certificate chain, PEM."""
     tls_key: str | None = None

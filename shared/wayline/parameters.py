@@ -40,12 +40,13 @@ def describe_parameters(struct: type[msgspec.Struct]) -> dict[str, Any]:
     required = schema.get("required", ())
     return {
         "parameters": [
-            {
-                "name": name,
-                "in": "query",
-                "required": name in required,
-                "schema": found,
-            }
-            for name, found in schema["properties"].items()
+            _described(name, schema, name in required)
+            for name, schema in schema["properties"].items()
         ]
     }
+
+
+def _described(name: str, schema: dict[str, Any], required: bool) -> dict[str, Any]:
+    said = {key: schema[key] for key in ("description",) if key in schema}
+    limits = {key: value for key, value in schema.items() if key not in said}
+    return {"name": name, "in": "query", "required": required, **said, "schema": limits}

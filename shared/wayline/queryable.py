@@ -6,6 +6,7 @@ import msgspec
 import zenoh
 
 from wayline.codec import ENCODING
+from wayline.digits import rounded
 from wayline.query_error import QueryError
 
 Answer = Callable[[str, Mapping[str, str]], msgspec.Struct]
@@ -20,7 +21,7 @@ def replier(answer: Answer) -> Callable[[zenoh.Query], None]:
             vehicle_id = str(query.key_expr).split("/")[2]
             parameters = dict(_pairs(str(query.parameters)))
             try:
-                payload = msgspec.json.encode(answer(vehicle_id, parameters))
+                payload = msgspec.json.encode(rounded(answer(vehicle_id, parameters)))
             except QueryError as error:
                 query.reply_err(msgspec.json.encode({"detail": str(error)}))
             else:

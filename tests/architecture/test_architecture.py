@@ -1,6 +1,7 @@
 """Independence is a test: what may import what."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -115,6 +116,25 @@ def test_what_says_pure_imports_only_what_says_so_too() -> None:
 def test_every_exception_is_still_one() -> None:
     needed = {imported for path in PURE.values() for imported in modules_imported(path)}
     assert set(NOT_PURE) <= needed - set(PURE)
+
+
+def test_one_matcher_says_where_a_vehicle_is_on_a_line() -> None:
+    """Nothing else in the services that follow lines projects positions on them, but these."""
+    allowed = {
+        "avl_filter.py": "the published filter's own matching",
+        "core.py": "which route is nearest to a first fix of the published filter",
+        "roads.py": "lines beside lines",
+    }
+    services = [ROOT / "services" / name for name in ("eta", "slope-map")]
+    projecting = {
+        path.name
+        for path in sources("services/eta", "services/slope-map")
+        if re.search(r"\.(project|project_legs)\(", path.read_text(encoding="utf-8"))
+    }
+    assert projecting == set(allowed)
+    for service in services:
+        importing = {name for path in service.rglob("*.py") for name in imports(path)}
+        assert "wayline.matching.matcher" in importing
 
 
 def test_topics_are_listed_in_one_place_only() -> None:

@@ -5,6 +5,7 @@ that is there, the forbidden one would have been.
 """
 
 import contextlib
+import itertools
 import json
 import queue
 import socket
@@ -18,10 +19,14 @@ import zenoh
 from wayline.bus import Publishers, Subscription, client_config
 from wayline.keys import FLEET, alive_key, message_key, query_key
 from wayline.settings import BusSettings
+from wayline_cli.access import access_control
 
 ZENOH = Path(__file__).parents[2] / "deploy/zenoh"
 WAIT_S = 10.0
 PASSWORDS = {"bus-1": "one", "bus-2": "two", "_services": "three", "_dashboard": "four"}
+
+BY = {"pose": "fusion", "progress": "eta", "arrivals": "eta", "horizon": "slope-map"}
+"""Who publishes a topic."""
 
 Samples = queue.Queue[tuple[str, str]]
 """Key and payload of what arrived."""
@@ -46,6 +51,12 @@ class Bus:
         for key, value in entries.items():
             config.insert_json5(key, json.dumps(value))
         self._sessions.append(zenoh.open(config))
+
+    def restart_router(self, name: str, **entries: object) -> None:
+        """End the first router and start it anew, as for another vehicle."""
+        self._sessions.pop(0).close()  # type: ignore[no-untyped-call]
+        self.start_router(name, self.port, **entries)
+        self._sessions.insert(0, self._sessions.pop())
 
     def connect(
         self, user: str | None, password: str | None = None, port: int | None = None
@@ -83,13 +94,18 @@ class Bus:
         return samples
 
     def put(
-        self, session: zenoh.Session, vehicle_id: str, topic: str, *payloads: str, source: str = "x"
+        self,
+        session: zenoh.Session,
+        vehicle_id: str,
+        topic: str,
+        *payloads: str,
+        source: str | None = None,
     ) -> None:
         """Publish as the services do."""
         publishers = Publishers(session)
         self._held.append(publishers)
         for payload in payloads:
-            publishers.put(vehicle_id, topic, source, payload.encode())
+            publishers.put(vehicle_id, topic, source or BY[topic], payload.encode())
 
     def live(self, session: zenoh.Session, vehicle_id: str, service: str) -> None:
         """Declare a service's liveliness."""
@@ -165,6 +181,15 @@ def test_the_right_password_opens_a_session(bus: Bus) -> None:
     assert arrived(heard) == ("bus-1", "1")
 
 
+def test_sockets_that_say_nothing_keep_nobody_out(bus: Bus) -> None:
+    heard = bus.hear(bus.connect("_services"), "*", "pose")
+    with contextlib.ExitStack() as stack:
+        for _ in range(300):
+            stack.enter_context(socket.create_connection(("127.0.0.1", bus.port), timeout=WAIT_S))
+        bus.put(bus.connect("bus-1"), "bus-1", "pose", "1")
+        assert arrived(heard) == ("bus-1", "1")
+
+
 def test_the_server_hears_every_vehicle(bus: Bus) -> None:
     heard = bus.hear(bus.connect("_services"), "*", "pose")
     bus.put(bus.connect("bus-1"), "bus-1", "pose", "1")
@@ -183,6 +208,24 @@ def test_what_a_vehicle_puts_under_anothers_key_does_not_arrive(bus: Bus) -> Non
     bus.put(server, "bus-2", "progress", "anything")
     assert heard.empty()
     assert heard_own.empty()
+
+
+def test_a_vehicle_says_what_its_sensors_say_and_nothing_that_a_server_works_out(bus: Bus) -> None:
+    server, vehicle = bus.connect("_services"), bus.connect("bus-1")
+    heard = {topic: bus.hear(server, "*", topic) for topic in ("progress", "horizon", "pose")}
+    bus.put(vehicle, "bus-1", "progress", "forged")
+    bus.put(vehicle, "bus-1", "horizon", "forged")
+    vehicle.put(message_key("bus-1", "progress", "fusion"), "forged")
+    bus.put(vehicle, "bus-1", "pose", "forged", source="eta")
+    bus.put(vehicle, "bus-1", "pose", "own")
+    assert arrived(heard["pose"]) == ("bus-1", "own")
+    assert all(samples.empty() for samples in heard.values())
+
+
+def test_a_second_receiver_may_speak(bus: Bus) -> None:
+    heard = bus.hear(bus.connect("_services"), "*", "gps_fix")
+    bus.put(bus.connect("bus-1"), "bus-1", "gps_fix", "second", source="gps-ingest-2")
+    assert arrived(heard) == ("bus-1", "second")
 
 
 def test_a_forged_sample_in_an_answer_does_not_arrive(bus: Bus) -> None:
@@ -227,13 +270,33 @@ def test_lost_samples_are_recovered(tmp_path: Path) -> None:
     publishers = Publishers(bus.connect("bus-1"))
     received: list[str] = []
     for number in range(100):
-        publishers.put("bus-1", "pose", "x", str(number).encode())
+        publishers.put("bus-1", "pose", "fusion", str(number).encode())
         with contextlib.suppress(queue.Empty):
             received.append(heard.get(timeout=0.05)[1])
         if len(received) > 10:
             break
     bus.close()
     assert received == [str(number) for number in range(11)]
+
+
+def test_a_restart_for_another_vehicle_loses_nothing(bus: Bus) -> None:
+    heard = bus.hear(bus.connect("_services"), "bus-1", "pose")
+    publishers, count = Publishers(bus.connect("bus-1")), itertools.count()
+
+    def drive(seconds: float) -> None:
+        for _ in range(round(10.0 * seconds)):
+            publishers.put("bus-1", "pose", "fusion", str(next(count)).encode())
+            time.sleep(0.1)
+
+    drive(1.0)
+    bus.users.write_text(bus.users.read_text() + "tram-7:five\n")
+    bus.restart_router("server.json5", access_control=access_control(["bus-1", "bus-2", "tram-7"]))
+    drive(3.0)
+    received: list[str] = []
+    while len(received) < 40:
+        received.append(arrived(heard)[1])
+    assert received == [str(number) for number in range(40)]
+    bus.connect("tram-7", "five")
 
 
 def test_liveliness_is_seen_and_not_forged(bus: Bus) -> None:

@@ -7,12 +7,27 @@ of publishers' caches and heartbeats (`<key>/@adv/...`), of liveliness (`@alive`
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 from wayline.errors import InputError
 from wayline.keys import FLEET, ROOT, alive_key, is_vehicle_id, message_key, query_key
-from wayline.messages import Arrivals, Health, Horizon, Progress, StopEvent
+from wayline.messages import (
+    Arrivals,
+    Barometer,
+    FusionStatus,
+    GpsFix,
+    GpsSky,
+    Gyro,
+    Health,
+    Horizon,
+    Message,
+    Odometer,
+    Pose,
+    Progress,
+    StopEvent,
+    Torque,
+)
 
 SERVICES_USER = "_services"
 """User of the server's services; no vehicle's id begins with an underscore."""
@@ -23,8 +38,17 @@ ASK = ("declare_subscriber", "query", "liveliness_query", "declare_liveliness_su
 """What a reader sends and a publisher gets."""
 SAY = ("put", "reply", "declare_queryable", "liveliness_token")
 """What a publisher sends and a reader gets. Nothing of Wayline deletes, so `delete` is denied."""
-SERVER_TOPICS = (Progress.topic, Arrivals.topic, StopEvent.topic, Horizon.topic)
-"""What a server's services publish for a vehicle."""
+VEHICLE_SOURCES: dict[str, tuple[type[Message], ...]] = {
+    "gps-ingest": (GpsFix, GpsSky),
+    "can-ingest": (GpsFix, Odometer, Gyro, Torque, Barometer),
+    "fusion": (Pose, FusionStatus),
+}
+"""What a vehicle's services publish below its id."""
+SERVER_SOURCES: dict[str, tuple[type[Message], ...]] = {
+    "eta": (Progress, Arrivals, StopEvent),
+    "slope-map": (Horizon,),
+}
+"""What a server's services publish for a vehicle; whoever the vehicle is, it is not believed."""
 
 FLEET_RULES = ("vehicles ask the fleet", "vehicles hear of answers", "vehicles hear the fleet")
 """Ids of what a vehicle may beyond its own keys."""
@@ -32,21 +56,30 @@ FLEET_RULES = ("vehicles ask the fleet", "vehicles hear of answers", "vehicles h
 Table = dict[str, Any]
 
 
-def access_control(vehicle_ids: Sequence[str]) -> Table:
+def access_control(vehicle_ids: Sequence[str], *, certificates: bool = False) -> Table:
     """The router's `access_control` table; what no rule allows is denied.
 
-    A vehicle's user is its id: it publishes and reads its own keys, and may query what lies
-    ahead. Raises InputError for what is no vehicle's id and for one that is there twice.
+    A vehicle's user is its id: it publishes what its own services measure, reads its own keys, and
+    may query what lies ahead. With `certificates` it has these rights only over a connection whose
+    certificate has the id as its common name. Raises InputError for what is no vehicle's id and
+    for one that is there twice.
     """
     _check(vehicle_ids)
     roles = _server_roles() | {vehicle_id: _vehicle_role(vehicle_id) for vehicle_id in vehicle_ids}
+    bound = vehicle_ids if certificates else ()
     return {
         "enabled": True,
         "default_permission": "deny",
         "rules": [*_server_rules(), *(rule for id_ in vehicle_ids for rule in _vehicle_rules(id_))],
-        "subjects": [{"id": user, "usernames": [user]} for user in roles],
+        "subjects": [_subject(user, user in bound) for user in roles],
         "policies": [{"subjects": [user], "rules": rules} for user, rules in roles.items()],
     }
+
+
+def _subject(user: str, has_certificate: bool) -> Table:
+    # a connection has to fit both names
+    proven = {"cert_common_names": [user]} if has_certificate else {}
+    return {"id": user, "usernames": [user], **proven}
 
 
 def _check(vehicle_ids: Sequence[str]) -> None:
@@ -69,12 +102,12 @@ def _server_roles() -> dict[str, list[str]]:
 
 def _vehicle_role(vehicle_id: str) -> list[str]:
     shared = ["all are asked", *FLEET_RULES]
-    return [*shared, f"{vehicle_id} sends", f"{vehicle_id} hears"]
+    return [*shared, *(f"{vehicle_id} {what}" for what in ("says", "asks", "is seen", "hears"))]
 
 
 def _server_rules() -> list[Table]:
     lookahead, queries = query_key(FLEET, "*"), query_key("*", "*")
-    outputs = [key for topic in SERVER_TOPICS for key in _topic_keys("*", topic, "*")]
+    outputs = _source_keys("*", SERVER_SOURCES)
     health = [*_topic_keys(FLEET, Health.topic, "*"), alive_key(FLEET, "*")]
     own = [*_topic_keys(FLEET, Health.topic, "dashboard"), alive_key(FLEET, "dashboard")]
     return [
@@ -94,10 +127,37 @@ def _server_rules() -> list[Table]:
 
 def _vehicle_rules(vehicle_id: str) -> list[Table]:
     keys = _vehicle_keys(vehicle_id)
+    health = [
+        key
+        for source in VEHICLE_SOURCES
+        for key in (
+            *_topic_keys(vehicle_id, Health.topic, _any_of(source)),
+            alive_key(vehicle_id, _any_of(source)),
+        )
+    ]
+    seen = f"{ROOT}/{vehicle_id}/*/*/@adv/sub/**"
     return [
-        _rule(f"{vehicle_id} sends", "ingress", (*SAY, *ASK), keys),
+        _rule(
+            f"{vehicle_id} says", "ingress", SAY, _source_keys(vehicle_id, VEHICLE_SOURCES) + health
+        ),
+        _rule(f"{vehicle_id} asks", "ingress", ASK, keys),
+        _rule(f"{vehicle_id} is seen", "ingress", ("liveliness_token",), [seen]),
         _rule(f"{vehicle_id} hears", "egress", SAY, keys),
     ]
+
+
+def _source_keys(vehicle_id: str, sources: Mapping[str, tuple[type[Message], ...]]) -> list[str]:
+    return [
+        key
+        for source, messages in sources.items()
+        for message in messages
+        for key in _topic_keys(vehicle_id, message.topic, _any_of(source))
+    ]
+
+
+def _any_of(source: str) -> str:
+    """A service and its further instances: `gps-ingest-2` for a second receiver."""
+    return f"{source}$*"
 
 
 def _rule(

@@ -1,8 +1,10 @@
 """Writes the access control of a fleet into a router's configuration file, in place.
 
-    python -m wayline_cli.access_file /etc/wayline/server.json5 bus-1 bus-2
+    python -m wayline_cli.access_file [--certificates] /etc/wayline/server.json5 bus-1 bus-2
 
-Everything else in the file, comments included, stays as it is.
+With `--certificates` a vehicle has its rights only with a certificate whose common name is its id
+(the router's `tls` has to ask for one: `enable_mtls`). Everything else in the file, comments
+included, stays as it is.
 """
 
 import json
@@ -14,15 +16,16 @@ from wayline.errors import InputError
 from wayline_cli.access import access_control
 
 BEGIN, END = "  // access control begins", "  // access control ends"
-USAGE = "usage: python -m wayline_cli.access_file ROUTER.json5 VEHICLE_ID..."
+CERTIFICATES = "--certificates"
+USAGE = f"usage: python -m wayline_cli.access_file [{CERTIFICATES}] ROUTER.json5 VEHICLE_ID..."
 
 
-def rewrite(path: Path, vehicle_ids: Sequence[str]) -> None:
+def rewrite(path: Path, vehicle_ids: Sequence[str], *, certificates: bool = False) -> None:
     """Replace what is between the two marking lines of the file by these vehicles' rules.
 
     Raises InputError for a vehicle id that is none and for a file without the marking lines.
     """
-    table = rendered(vehicle_ids)
+    table = rendered(vehicle_ids, certificates=certificates)
     text = _read(path)
     head, begin, rest = text.partition(BEGIN)
     marking, _, rest = rest.partition("\n")
@@ -33,20 +36,24 @@ def rewrite(path: Path, vehicle_ids: Sequence[str]) -> None:
     path.write_text(f"{head}{begin}{marking}\n{table}{end}{tail}", encoding="utf-8")
 
 
-def rendered(vehicle_ids: Sequence[str]) -> str:
+def rendered(vehicle_ids: Sequence[str], *, certificates: bool = False) -> str:
     """The table as an indented member of the file's object."""
-    text = json.dumps({"access_control": access_control(vehicle_ids)}, indent=2)
+    text = json.dumps(
+        {"access_control": access_control(vehicle_ids, certificates=certificates)}, indent=2
+    )
     members = text.splitlines()[1:-1]
     return "\n".join(members) + ",\n"
 
 
 def main(arguments: Sequence[str]) -> int:
     """Run the command: 0, or 2 after one line that says what to mend."""
-    if not arguments:
+    certificates = CERTIFICATES in arguments
+    named = [argument for argument in arguments if argument != CERTIFICATES]
+    if not named:
         sys.stderr.write(f"{USAGE}\n")
         return 2
     try:
-        rewrite(Path(arguments[0]), arguments[1:])
+        rewrite(Path(named[0]), named[1:], certificates=certificates)
     except InputError as error:
         sys.stderr.write(f"wayline: {error}\n")
         return 2

@@ -12,6 +12,7 @@ from wayline.route_file import load_route
 from wayline.services import SERVICES, ServiceRow, Tables
 from wayline.settings import Settings, load_settings, overridden
 from wayline_cli.check import Check, attempted, fine, note, wrong
+from wayline_cli.check_doors import check_doors
 from wayline_cli.check_machine import (
     check_clock,
     check_disk,
@@ -57,6 +58,7 @@ def configured(settings: Settings, services: Sequence[str], *, is_default: bool)
     """What the configuration says: vehicles, exposure, routes, databases."""
     checks = [] if is_default else [check_vehicle(settings, services)]
     checks.append(attempted("HTTP", lambda: exposure_finding(settings)))
+    checks += check_doors(settings, dt.datetime.now(dt.UTC))
     for path in settings.routes:
         checks.append(attempted("route", lambda path=path: route_finding(path)))  # type: ignore[misc]
     for row in (SERVICES[service] for service in services):
@@ -78,9 +80,8 @@ def exposure_finding(settings: Settings) -> str:
     """Who may ask over HTTP. Raises InputError where strangers could."""
     http = settings.http
     check_exposure(http)
-    for path in filter(None, (http.tls_cert, http.tls_key)):
-        if not Path(path).is_file():
-            raise InputError(path, "no such file", "correct http.tls_cert or http.tls_key")
+    if http.tls_key is not None and not Path(http.tls_key).is_file():
+        raise InputError(http.tls_key, "no such file", "correct http.tls_key")
     guarded = "with tokens" if http.tokens else "for this machine alone"
     return f"on {http.host}, {guarded}"
 

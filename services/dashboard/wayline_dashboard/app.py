@@ -12,11 +12,10 @@ from prometheus_client import CollectorRegistry, Counter, Gauge
 from prometheus_client.core import CounterMetricFamily, Metric
 from prometheus_client.registry import Collector
 from starlette.exceptions import HTTPException
-from starlette.middleware.gzip import GZipMiddleware
 
 from wayline.drive import VehicleId
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, answers, create_service_app
+from wayline.http import Healthz, JsonAnswer, SlowAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters, read_parameters
 from wayline.route import Route
@@ -71,12 +70,11 @@ def create_dashboard(
         registry=registry,
         structs=(FleetView, RouteList, FeatureCollection),
         is_open=is_page,
+        is_public=lambda path: path == "/v1/routes" or path.startswith("/v1/routes/"),
     )
     _add_view(app, live, registry)
     _add_routes(app, {route.route_id: route for route in routes})
     add_page(app, static)
-    # the page's scripts shrink to a third, which a vehicle's mobile line feels
-    app.add_middleware(GZipMiddleware, minimum_size=1024)
     return app
 
 
@@ -115,7 +113,7 @@ def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:
     @app.get("/v1/routes", responses=answers(RouteList), tags=["routes"])
     def route_list() -> JsonAnswer:
         """The routes that the map can show."""
-        return JsonAnswer(links)
+        return SlowAnswer(links)
 
     @app.get("/v1/routes/{route_id:path}", responses=answers(FeatureCollection), tags=["routes"])
     def route(route_id: str) -> JsonAnswer:
@@ -123,7 +121,7 @@ def _add_routes(app: FastAPI, routes: dict[str, Route]) -> None:
         if route_id not in routes:
             raise HTTPException(404, f"no route {route_id}; /v1/routes lists them")
         collection = FeatureCollection(route_features(routes[route_id]))
-        return JsonAnswer(collection, media_type="application/geo+json")
+        return SlowAnswer(collection, media_type="application/geo+json")
 
 
 class InputCount(Collector):

@@ -7,7 +7,7 @@ from fastapi import FastAPI, Request
 from prometheus_client import CollectorRegistry
 
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, answers, create_service_app
+from wayline.http import Healthz, JsonAnswer, SlowAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters, read_parameters
 from wayline.query_error import QueryError
@@ -31,6 +31,8 @@ from wayline_eta.timetable_answers import (
 )
 
 GEO_JSON = "application/geo+json"
+PUBLIC = ("/v1/routes", "/v1/trips/", "/v1/stops", "/gtfs-rt/")
+"""Beginnings of the paths that riders need."""
 
 
 def create_eta_app(
@@ -59,6 +61,7 @@ def create_eta_app(
             ArrivalList,
             StopList,
         ),
+        is_public=is_public,
     )
     known_routes = tuple(routes)
     feeds = tuple(timetables)
@@ -67,6 +70,13 @@ def create_eta_app(
     _add_vehicles(app, board)
     _add_stops(app, board, StopDirectory(known_routes, feeds))
     return app
+
+
+def is_public(path: str) -> bool:
+    """Whether the scope `public` is enough for a path: arrivals, routes, stops, GTFS-Realtime."""
+    return path.startswith(PUBLIC) or (
+        path.startswith("/v1/vehicles/") and path.endswith("/arrivals")
+    )
 
 
 def _add_routes(app: FastAPI, routes: Sequence[Route], timetables: TimetableAnswers) -> None:
@@ -78,18 +88,18 @@ def _add_routes(app: FastAPI, routes: Sequence[Route], timetables: TimetableAnsw
     @app.get("/v1/routes", responses=answers(RouteSummaries), tags=["routes"])
     def route_list() -> JsonAnswer:
         """The routes that vehicles may follow, of files and of timetables."""
-        return JsonAnswer(RouteSummaries((*own, *timetables.summaries())))
+        return SlowAnswer(RouteSummaries((*own, *timetables.summaries())))
 
     @app.get("/v1/routes/{route_id:path}", responses=_geo_json(), tags=["routes"])
     def route(route_id: str) -> JsonAnswer:
         """A route's lines and stops as GeoJSON; of a timetable's those of its patterns."""
         found = collections.get(route_id) or timetables.route(route_id)
-        return JsonAnswer(found, media_type=GEO_JSON)
+        return SlowAnswer(found, media_type=GEO_JSON)
 
     @app.get("/v1/trips/{trip_id:path}", responses=answers(TripAnswer), tags=["routes"])
     def trip(trip_id: str) -> JsonAnswer:
         """A trip of the timetables with its stops and times."""
-        return JsonAnswer(timetables.trip(trip_id))
+        return SlowAnswer(timetables.trip(trip_id))
 
 
 def _summary(route: Route) -> RouteSummary:
@@ -142,7 +152,7 @@ def _add_stops(app: FastAPI, board: EtaBoard, stops: StopDirectory) -> None:
     )
     async def stop_list(request: Request) -> JsonAnswer:
         """The stops, or those near a place, nearest first."""
-        return JsonAnswer(stops.answer(read_parameters(request.query_params, StopsParameters)))
+        return SlowAnswer(stops.answer(read_parameters(request.query_params, StopsParameters)))
 
     @app.get(
         "/v1/stops/{stop_id:path}/arrivals",

@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 EXTRAPOLATE_AT_MOST_S = 2.0
 REACHED_M = 0.5
 """A vehicle whose place is told so near before a stop has reached it: places are means."""
+SEAM_M = 1e-6
+"""So near before its end a lap is over: sums of distances are rounded."""
 HOLD_M = 30.0
 HOLD_SIGMAS = 3.0
 """A place that falls back by less than this is noise: progress waits for it to catch up."""
@@ -253,8 +255,8 @@ def lap_of(route: Route, total_m: float) -> tuple[int, float]:
     """The lap (0 is the first) and the distance within it, 0 <= x < length on a loop."""
     if not route.loop or total_m <= 0.0:
         return 0, max(total_m, 0.0)
-    lap, within_m = divmod(total_m, route.length_m)
-    return int(lap), within_m
+    lap, within_m = divmod(total_m + SEAM_M, route.length_m)
+    return int(lap), max(within_m - SEAM_M, 0.0)
 
 
 def _speed_of(last: Pose | None, pose: Pose) -> float:

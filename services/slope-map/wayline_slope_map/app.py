@@ -7,7 +7,7 @@ from fastapi import FastAPI, Request, Response
 from prometheus_client import CollectorRegistry
 
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, answers, create_service_app
+from wayline.http import Healthz, JsonAnswer, SlowAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters
 from wayline_slope_map.answers import (
@@ -61,7 +61,7 @@ def _add_roads(app: FastAPI, book: SlopeBook) -> None:
     @app.get("/v1/roads", responses=answers(RoadList), tags=["roads"])
     def roads() -> JsonAnswer:
         """Every road that was driven, and what is known of it."""
-        return JsonAnswer(road_list(book.profiles()))
+        return SlowAnswer(road_list(book.profiles()))
 
     @app.get(
         "/v1/roads/{road_id:path}/profile",
@@ -71,7 +71,7 @@ def _add_roads(app: FastAPI, book: SlopeBook) -> None:
     )
     def profile(road_id: str, request: Request) -> JsonAnswer:
         """A road's grade and altitude along its line; by default one point a bin."""
-        return JsonAnswer(answer_profile(book, road_id, request.query_params))
+        return SlowAnswer(answer_profile(book, road_id, request.query_params))
 
 
 def _add_documents(app: FastAPI, book: SlopeBook) -> None:
@@ -96,7 +96,7 @@ def _add_documents(app: FastAPI, book: SlopeBook) -> None:
     def geojson(road_id: str, request: Request) -> JsonAnswer:
         """The known bins of a road as lines to draw."""
         collection = profile_geojson(book, road_id, request.query_params)
-        return JsonAnswer(collection, media_type=GEO_JSON)
+        return SlowAnswer(collection, media_type=GEO_JSON)
 
 
 def _as(media_type: str, schema: dict[str, str]) -> dict[int | str, dict[str, Any]]:

@@ -11,10 +11,13 @@ from typing import ClassVar
 
 import msgspec
 
+from wayline.matching.matcher import Matcher
+from wayline.matching.network import Sight
+from wayline.matching.transition import Moves
 from wayline.messages import Horizon, Message, Pose
 from wayline.query_error import QueryError
 from wayline.view import Clock, Receipt
-from wayline_slope_map.matching import Match, RoadIndex, carried_on, chosen, on_road
+from wayline_slope_map.matching import Match, RoadIndex, carried_on, on_road
 from wayline_slope_map.profile import RoadProfile
 
 
@@ -91,10 +94,13 @@ class SlopeBook:
         self, lat_deg: float, lon_deg: float, heading_deg: float
     ) -> tuple[RoadProfile, Match] | None:
         """The road at a place that runs along or against a heading, None on none."""
+        sight = Sight(0, lat_deg, lon_deg, 0.0, heading_deg)
         with self._lock:
-            match = chosen(self._index.near(lat_deg, lon_deg, heading_deg), None, 0.0)
-            found = self._profiles[match.road_id] if match else None
-        return (found, on_road(found.road, match)) if match and found else None
+            matched = Matcher(self._index).observe(sight, Moves.measured(0.0))
+            found = self._profiles[matched.candidate.edge_id] if matched else None
+        if matched is None or found is None:
+            return None
+        return found, on_road(found.road, Match.of(matched.candidate))
 
     def vehicle_ids(self) -> list[str]:
         """Every vehicle whose pose was heard and that is not yet forgotten."""

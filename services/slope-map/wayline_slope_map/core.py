@@ -10,11 +10,13 @@ from wayline.drive import Vehicle
 from wayline.geo import step_between, wrap_360
 from wayline.gps_quality import altitude_std_m, has_altitude
 from wayline.inputs import Flush, Tick
+from wayline.matching.matcher import Matcher
+from wayline.matching.transition import Moves
 from wayline.messages import Barometer, GpsFix, Horizon, Message, Odometer, Pose, Torque
 from wayline.tuning import Tuning
 from wayline.vertical.engine import Engine
 from wayline_slope_map.known_roads import KnownRoads
-from wayline_slope_map.matching import SPACING_M, Match, carried_on, chosen
+from wayline_slope_map.matching import CHANGE_COST, SPACING_M, Match, carried_on
 from wayline_slope_map.profile import lookahead
 from wayline_slope_map.records import RoadLearned
 from wayline_slope_map.run import finished_runs
@@ -52,6 +54,7 @@ class SlopeMapCore:
         self._roads, self._tuning, self._vehicle_id = roads, tuning, vehicle_id
         self._engine = Engine(vehicle, tuning)
         self._track = Track()
+        self._matcher = Matcher(roads, jump_cost=CHANGE_COST)
         self._pose: Pose | None = None
         self._driving: Pose | None = None
         """The last pose that was well ahead of the one kept here before."""
@@ -86,7 +89,10 @@ class SlopeMapCore:
         if last is not None and pose.t_ns < last.t_ns:
             return []
         ended = last is not None and (self._ends_run(last, pose) or self._is_parked(pose))
-        finished = self._finish() if ended else []
+        finished: Sequence[Record] = []
+        if ended:
+            finished = self._finish()
+            self._matcher.forget()
         self._pose = pose
         place = self._place(pose)
         if place is not None and (self._is_new_lap(place) or self._has_leapt(place)):
@@ -129,11 +135,11 @@ class SlopeMapCore:
         # a vehicle in reverse travels the road the other way
         reverse = pose.speed_mps is not None and pose.speed_mps < 0.0
         course_deg = wrap_360(pose.heading_deg + 180.0) if reverse else pose.heading_deg
-        near = self._roads.near(pose.lat_deg, pose.lon_deg, course_deg)
-        match = chosen(near, last.match if last else None, moved_m, self._roads.route_id)
-        return Place(
-            pose.t_ns, pose.distance_m, pose.lat_deg, pose.lon_deg, course_deg, match, std_m
+        place = Place(
+            pose.t_ns, pose.distance_m, pose.lat_deg, pose.lon_deg, course_deg, None, std_m
         )
+        found = self._matcher.observe(place.sight, Moves.measured(moved_m))
+        return place._replace(match=Match.of(found.candidate)) if found else place
 
     def _last_place(self) -> Place | None:
         return self._track.places[-1] if self._track.places else None

@@ -1,9 +1,10 @@
 """Pure: the roads that are known, and where they run; one for all vehicles of a process."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from wayline.line import Line
-from wayline_slope_map.matching import Match, RoadIndex
+from wayline.matching.network import Candidate, First, Sight
+from wayline_slope_map.matching import RoadIndex
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.roads import Road, check_same_route, route_road
 
@@ -50,6 +51,15 @@ class KnownRoads:
         """Every road by its id."""
         return {road_id: profile.road for road_id, profile in self._profiles.items()}
 
-    def near(self, lat_deg: float, lon_deg: float, course_deg: float) -> list[Match]:
-        """Every road point near a place as a match, for a direction of travel."""
-        return self._index.near(lat_deg, lon_deg, course_deg)
+    def near(self, sight: Sight) -> Sequence[Candidate]:
+        """Every road point near a place; where that route is, no other road counts."""
+        found = self._index.near(sight)
+        return [each for each in found if each.edge_id == self.route_id] or found
+
+    def first(self, candidates: Sequence[Candidate]) -> Sequence[First]:
+        """Where they are; nothing speaks against any."""
+        return self._index.first(candidates)
+
+    def advance_m(self, earlier: Candidate, later: Candidate, about_m: float) -> float | None:
+        """Along one road in one direction; None where that is not one road."""
+        return self._index.advance_m(earlier, later, about_m)

@@ -1,12 +1,13 @@
-"""Pure: which road a place lies on: points of all roads in a grid of cells on the ground."""
+"""Pure: all roads as a network for the matcher: points of them in a grid of cells on the ground."""
 
 import math
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from wayline.geo import metres_per_degree, wrap_180
+from wayline.geo import metres_per_degree, wrap_180, wrap_360
+from wayline.matching.network import Candidate, First, Sight
 from wayline_slope_map.roads import Road
 
 SPACING_M = 10.0
@@ -17,8 +18,8 @@ HEADING_WITHIN_DEG = 35.0
 """Streets that cross at more never match, at 30 to 35 degrees for less than 100 m."""
 CELL_DEG = 0.0005
 """Of latitude, 55 m: more than the furthest match."""
-CONTINUES_WITHIN_M = 30.0
-"""How far a place along a road may lie from where the last one and the distance put it."""
+CHANGE_COST = 5.0
+"""Lost by a place on another road than the last: about one place in a hundred is."""
 
 
 class Match(NamedTuple):
@@ -31,6 +32,11 @@ class Match(NamedTuple):
     direction: int
     along_m: float
     offset_m: float
+
+    @classmethod
+    def of(cls, candidate: Candidate) -> Self:
+        """A candidate that was the likeliest one."""
+        return cls(candidate.edge_id, candidate.direction, candidate.along_m, candidate.offset_m)
 
 
 def on_road(road: Road, match: Match) -> Match:
@@ -56,20 +62,23 @@ class _Point(NamedTuple):
 
 
 class RoadIndex:
-    """Finds the roads near a place that run its way or the opposite way."""
+    """Roads as edges, near a place those that run a vehicle's way or the opposite way.
+
+    A road ends nowhere in another: how roads join is not known.
+    """
 
     def __init__(self, roads: Iterable[Road] = ()) -> None:
         self._cells: dict[tuple[int, int], list[_Point]] = {}
         self._rows: dict[int, tuple[float, float]] = {}
-        self._road_ids: set[str] = set()
+        self._roads: dict[str, Road] = {}
         for road in roads:
             self.add(road)
 
     def add(self, road: Road) -> None:
         """Make a road known; a second time changes nothing."""
-        if road.road_id in self._road_ids:
+        if road.road_id in self._roads:
             return
-        self._road_ids.add(road.road_id)
+        self._roads[road.road_id] = road
         within_m = ROUTE_WITHIN_M if road.is_route else ROAD_WITHIN_M
         length_m = road.line.length_m
         for along_m in [*np.arange(0.0, length_m, SPACING_M).tolist(), length_m]:
@@ -82,19 +91,39 @@ class RoadIndex:
         """Make one point of a path known, whose distance along it is given."""
         self._put(_Point(road_id, along_m, lat_deg, lon_deg, heading_deg, False, ROAD_WITHIN_M))
 
-    def near(self, lat_deg: float, lon_deg: float, heading_deg: float) -> list[Match]:
-        """Every road point near a place as a match, a road several times where it is near twice."""
-        row = math.floor(lat_deg / CELL_DEG)
+    def near(self, sight: Sight) -> Sequence[Candidate]:
+        """Every road point near a place, a road several times where it is near twice.
+
+        None of a vehicle whose course is not known.
+        """
+        if sight.course_deg is None:
+            return []
+        row = math.floor(sight.lat_deg / CELL_DEG)
         north_m_per_deg, east_m_per_deg = self._scales(row)
-        matches = []
-        for cell in self._around(row, lon_deg):
+        found = []
+        for cell in self._around(row, sight.lon_deg):
             for point in self._cells.get(cell, ()):
-                east_m = wrap_180(lon_deg - point.lon_deg) * east_m_per_deg
-                north_m = (lat_deg - point.lat_deg) * north_m_per_deg
-                match = _matched(point, east_m, north_m, heading_deg)
-                if match is not None:
-                    matches.append(match)
-        return matches
+                east_m = wrap_180(sight.lon_deg - point.lon_deg) * east_m_per_deg
+                north_m = (sight.lat_deg - point.lat_deg) * north_m_per_deg
+                candidate = _candidate(point, east_m, north_m, sight.course_deg)
+                if candidate is not None:
+                    found.append(candidate)
+        return found
+
+    def first(self, candidates: Sequence[Candidate]) -> Sequence[First]:
+        """Where they are; nothing speaks against any."""
+        return [First(candidate.along_m) for candidate in candidates]
+
+    def advance_m(self, earlier: Candidate, later: Candidate, about_m: float) -> float | None:
+        """Along one road in one direction; on a loop by its seam where that is nearer."""
+        if (earlier.edge_id, earlier.direction) != (later.edge_id, later.direction):
+            return None
+        advance_m = (later.along_m - earlier.along_m) * later.direction
+        road = self._roads.get(later.edge_id)
+        if road is not None and road.loop:
+            length_m = road.line.length_m
+            advance_m += length_m * round((about_m - advance_m) / length_m)
+        return advance_m
 
     def _put(self, point: _Point) -> None:
         row = math.floor(point.lat_deg / CELL_DEG)
@@ -116,7 +145,7 @@ class RoadIndex:
         return self._rows[row]
 
 
-def _matched(point: _Point, east_m: float, north_m: float, heading_deg: float) -> Match | None:
+def _candidate(point: _Point, east_m: float, north_m: float, course_deg: float) -> Candidate | None:
     if abs(east_m) > ROUTE_WITHIN_M + SPACING_M or abs(north_m) > ROUTE_WITHIN_M + SPACING_M:
         return None
     heading_rad = math.radians(point.heading_deg)
@@ -124,33 +153,12 @@ def _matched(point: _Point, east_m: float, north_m: float, heading_deg: float) -
     beside_m = east_m * math.cos(heading_rad) - north_m * math.sin(heading_rad)
     if abs(ahead_m) > SPACING_M or abs(beside_m) > point.within_m:
         return None
-    turn_deg = abs(wrap_180(heading_deg - point.heading_deg))
+    turn_deg = abs(wrap_180(course_deg - point.heading_deg))
     if turn_deg <= HEADING_WITHIN_DEG:
-        direction = 1
+        direction, heading_deg = 1, point.heading_deg
     elif turn_deg >= 180.0 - HEADING_WITHIN_DEG and not point.one_way:
-        direction = -1
+        direction, heading_deg = -1, wrap_360(point.heading_deg + 180.0)
     else:
         return None
     offset_m = math.hypot(beside_m, ahead_m)
-    return Match(point.road_id, direction, point.along_m + ahead_m, offset_m)
-
-
-def chosen(
-    candidates: list[Match], last: Match | None, moved_m: float, route_id: str | None = None
-) -> Match | None:
-    """The match that goes on from the last one, else the nearest; None without candidates.
-
-    `moved_m` is the distance travelled since the last place. The drive's own route goes before
-    every other road.
-    """
-    candidates = [match for match in candidates if match.road_id == route_id] or candidates
-    going_on = [
-        (abs((match.along_m - last.along_m) * last.direction - moved_m), match)
-        for match in candidates
-        if last is not None and (match.road_id, match.direction) == last[:2]
-    ]
-    if going_on:
-        apart_m, match = min(going_on, key=lambda pair: (pair[0], pair[1].offset_m))
-        if apart_m <= CONTINUES_WITHIN_M + 0.2 * moved_m:
-            return match
-    return min(candidates, key=lambda match: (match.offset_m, match), default=None)
+    return Candidate(point.road_id, direction, point.along_m + ahead_m, offset_m, heading_deg)

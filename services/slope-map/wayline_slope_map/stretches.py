@@ -12,7 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from wayline.line import Floats
-from wayline_slope_map.matching import SPACING_M, Match, RoadIndex, chosen
+from wayline.matching.matcher import Matcher
+from wayline.matching.transition import Moves
+from wayline_slope_map.matching import CHANGE_COST, SPACING_M, Match, RoadIndex
 from wayline_slope_map.roads import Road, made_road
 from wayline_slope_map.track import Place
 
@@ -81,9 +83,10 @@ def _stretch(road: Road, places: list[Place], labels: list[Label]) -> Stretch:
 def _with_own_path(places: Sequence[Place]) -> list[Label]:
     """Labels, those of no road matched against the run's own path further back."""
     index = RoadIndex()
+    matcher = Matcher(index, jump_cost=CHANGE_COST)
     hidden: deque[Place] = deque()
     labels: list[Label] = []
-    last, last_m = None, 0.0
+    last_m = 0.0
     for place in places:
         while hidden and place.travelled_m - hidden[0].travelled_m >= VISIBLE_BEHIND_M:
             shown = hidden.popleft()
@@ -92,12 +95,14 @@ def _with_own_path(places: Sequence[Place]) -> list[Label]:
             )
         match = place.match
         if match is None:
-            near = index.near(place.lat_deg, place.lon_deg, place.course_deg)
-            match = chosen(near, last, place.travelled_m - last_m)
+            found = matcher.observe(place.sight, Moves.measured(place.travelled_m - last_m))
+            match = Match.of(found.candidate) if found else None
             if match is None:
                 hidden.append(place)
+        else:
+            matcher.forget()
         labels.append(match)
-        last, last_m = match, place.travelled_m
+        last_m = place.travelled_m
     return labels
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wayline.line import Floats
+from wayline.matching.network import Sight
 from wayline.vertical.own_slope import OwnSlope
 from wayline.vertical.propulsion import Push
 from wayline_slope_map.matching import Match
@@ -26,6 +27,11 @@ class Place(NamedTuple):
     match: Match | None
     std_m: float = 0.0
     """One sigma of the worse axis."""
+
+    @property
+    def sight(self) -> Sight:
+        """As the matcher sees it."""
+        return Sight(self.t_ns, self.lat_deg, self.lon_deg, self.std_m, self.course_deg)
 
 
 class Altitude(NamedTuple):

@@ -2,12 +2,14 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 import zenoh
 
 from wayline.errors import InputError
-from wayline_cli.access import access_control
+from wayline.messages import MESSAGES, Health
+from wayline_cli.access import SERVER_SOURCES, VEHICLE_SOURCES, access_control
 from wayline_cli.access_file import main, rewrite
 
 SERVER = Path(__file__).parents[3] / "deploy/zenoh/server.json5"
@@ -21,7 +23,7 @@ def router_file(tmp_path: Path) -> Path:
     return path
 
 
-def table(path: Path) -> object:
+def table(path: Path) -> Any:
     return json.loads(zenoh.Config.from_file(str(path)).get_json("access_control"))
 
 
@@ -40,7 +42,7 @@ def test_a_fleet_grows_and_shrinks_in_place(router_file: Path) -> None:
     rewrite(router_file, ["tram-7", "bus-1", "bus-2"])
     users = {subject["usernames"][0] for subject in access_control(["tram-7"])["subjects"]}
     assert users == {"_services", "_dashboard", "tram-7"}
-    assert '"tram-7 sends"' in json.dumps(table(router_file))
+    assert '"tram-7 says"' in json.dumps(table(router_file))
     rewrite(router_file, ["bus-1", "bus-2"])
     assert router_file.read_text(encoding="utf-8") == committed
 
@@ -52,6 +54,22 @@ def test_every_policy_names_rules_and_subjects_that_are_there() -> None:
     assert {rule for policy in control["policies"] for rule in policy["rules"]} == ids
     assert {subject for policy in control["policies"] for subject in policy["subjects"]} == subjects
     assert len(ids) == len(control["rules"])
+
+
+def test_with_certificates_a_vehicle_is_who_its_certificate_says(router_file: Path) -> None:
+    assert main(["--certificates", str(router_file), "bus-1"]) == 0
+    subjects = {subject["id"]: subject for subject in table(router_file)["subjects"]}
+    assert subjects["bus-1"]["cert_common_names"] == ["bus-1"]
+    assert not subjects["_services"].get("cert_common_names")
+
+
+def test_every_topic_has_one_side_that_may_publish_it() -> None:
+    sides = [
+        {message for messages in sources.values() for message in messages}
+        for sources in (VEHICLE_SOURCES, SERVER_SOURCES)
+    ]
+    assert sides[0] | sides[1] | {Health} == set(MESSAGES)
+    assert not sides[0] & sides[1]
 
 
 def test_another_vehicle_changes_nothing_for_the_first() -> None:

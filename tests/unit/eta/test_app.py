@@ -97,7 +97,7 @@ def test_arrivals_are_the_cores_own_numbers(board: Board, told: Told) -> None:
             "route_id": "north/south",
             "trip_id": None,
             "headsign": None,
-            "distance_m": stop.distance_m,
+            "distance_m": pytest.approx(stop.distance_m, abs=0.005),
             "arrival": rfc3339(stop.arrival_ns),
             "early": rfc3339(stop.early_ns),
             "late": rfc3339(stop.late_ns),
@@ -105,7 +105,7 @@ def test_arrivals_are_the_cores_own_numbers(board: Board, told: Told) -> None:
             "scheduled": None,
             "delay_s": None,
             "confidence": "planned",
-            "seconds": pytest.approx((stop.arrival_ns - told.arrivals.t_ns) * 1e-9, abs=5e-4),
+            "seconds": pytest.approx((stop.arrival_ns - told.arrivals.t_ns) * 1e-9, abs=5e-3),
             "age_s": 0.0,
             "stale": False,
         }
@@ -184,7 +184,7 @@ def test_a_stops_arrivals_are_of_all_vehicles_soonest_first(
 
 
 def test_one_stop_of_one_vehicle_can_be_asked_for(board: Board) -> None:
-    [at] = arrivals_of(board, "/v1/vehicles/bus-1/arrivals?stop_id=s2&unknown=1")
+    [at] = arrivals_of(board, "/v1/vehicles/bus-1/arrivals?stop_id=s2")
     assert at == arrivals_of(board)[2]
 
 
@@ -207,10 +207,10 @@ def test_a_vehicle_has_position_progress_and_age(board: Board, clock: Clock, tol
         "t": "2023-11-14T22:13:40.000Z",
         "source": "fusion",
         "mode": "fused",
-        "lat_deg": pose.lat_deg,
-        "lon_deg": pose.lon_deg,
+        "lat_deg": pytest.approx(pose.lat_deg, abs=1e-7),
+        "lon_deg": pytest.approx(pose.lon_deg, abs=1e-7),
         "alt_m": None,
-        "heading_deg": pose.heading_deg,
+        "heading_deg": pytest.approx(pose.heading_deg, abs=0.005),
         "speed_mps": 10.0,
         "east_std_m": 0.5,
         "north_std_m": 0.5,
@@ -219,13 +219,13 @@ def test_a_vehicle_has_position_progress_and_age(board: Board, clock: Clock, tol
         "t": "2023-11-14T22:13:40.000Z",
         "route_id": "north/south",
         "trip_id": None,
-        "distance_m": progress.distance_m,
+        "distance_m": pytest.approx(progress.distance_m, abs=0.005),
         "lap": 0,
-        "lat_deg": progress.lat_deg,
-        "lon_deg": progress.lon_deg,
-        "cross_track_m": progress.cross_track_m,
-        "distance_std_m": progress.distance_std_m,
-        "speed_mps": progress.speed_mps,
+        "lat_deg": pytest.approx(progress.lat_deg, abs=1e-7),
+        "lon_deg": pytest.approx(progress.lon_deg, abs=1e-7),
+        "cross_track_m": pytest.approx(progress.cross_track_m, abs=0.005),
+        "distance_std_m": pytest.approx(progress.distance_std_m, abs=0.005),
+        "speed_mps": pytest.approx(progress.speed_mps, abs=0.005),
         "delay_s": None,
     }
     assert client(board).get("/v1/vehicles").json() == {"vehicles": [vehicle]}
@@ -302,7 +302,7 @@ def test_a_route_is_listed_and_answered_as_geojson(board: Board) -> None:
     http = client(board)
     [summary] = http.get("/v1/routes").json()["routes"]
     assert (summary["stops"], summary["loop"]) == (3, True)
-    assert summary["length_m"] == ROUTE.length_m
+    assert summary["length_m"] == pytest.approx(ROUTE.length_m, abs=0.005)
     assert summary["href"] == "/v1/routes/north%2Fsouth"
     route = http.get(summary["href"])
     assert route.headers["content-type"] == "application/geo+json"

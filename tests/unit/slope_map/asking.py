@@ -8,6 +8,7 @@ from fastapi.testclient import TestClient
 from unit.slope_map.hilly_road import (
     SECOND_NS,
 )
+from wayline.digits import rounded
 from wayline.http_settings import HttpSettings
 from wayline.messages import HorizonPoint
 from wayline.rfc3339 import rfc3339
@@ -54,4 +55,5 @@ def shown(point: HorizonPoint) -> dict[str, Any]:
     """A point of the core as HTTP shows it."""
     fields = msgspec.structs.asdict(point)
     updated_ns = fields.pop("updated_ns")
-    return {**fields, "updated": None if updated_ns is None else rfc3339(updated_ns)}
+    updated = None if updated_ns is None else rfc3339(updated_ns)
+    return dict(rounded({**fields, "updated": updated}))

@@ -6,7 +6,12 @@ import pytest
 from wayline.errors import InputError
 from wayline.geo import metres_per_degree
 from wayline.line import Floats, Line
-from wayline_slope_map.matching import Match, RoadIndex, chosen
+from wayline.matching.matcher import Matcher
+from wayline.matching.network import Candidate, Sight
+from wayline.matching.transition import Moves
+from wayline_slope_map.known_roads import KnownRoads
+from wayline_slope_map.matching import CHANGE_COST, Match, RoadIndex
+from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.roads import Road, check_same_route, made_road, route_road, simplified
 
 LAT_DEG, LON_DEG = 56.0, 10.0
@@ -27,8 +32,13 @@ def road(lats_deg: Floats, lons_deg: Floats) -> Road:
 
 
 def best(index: RoadIndex, east_m: float, north_m: float, heading_deg: float) -> Match | None:
+    found = Matcher(index).observe(sight(east_m, north_m, heading_deg), Moves.measured(0.0))
+    return Match.of(found.candidate) if found else None
+
+
+def sight(east_m: float, north_m: float, heading_deg: float, second: float = 0.0) -> Sight:
     lat_deg, lon_deg = degrees(np.array(east_m), np.array(north_m))
-    return chosen(index.near(float(lat_deg), float(lon_deg), heading_deg), None, 0.0)
+    return Sight(round(second * 1e9), float(lat_deg), float(lon_deg), 3.0, heading_deg)
 
 
 def test_a_line_keeps_every_point_within_its_tolerance_and_few_vertices() -> None:
@@ -95,38 +105,63 @@ def test_a_road_that_runs_twice_through_a_place_goes_on_where_it_was() -> None:
     radius_m = 150.0 + 6.0 * turn / (2.0 * np.pi)
     lats_deg, lons_deg = degrees(radius_m * np.sin(turn), radius_m * np.cos(turn))
     coil = road(lats_deg, lons_deg)
-    index = RoadIndex([coil])
-    last: Match | None = Match(coil.road_id, 1, 0.0, 0.0)
+    matcher = Matcher(RoadIndex([coil]), CHANGE_COST)
+    matcher.set_out(sight(0.0, 150.0, 90.0), Candidate(coil.road_id, 1, 0.0, 0.0, 90.0))
     far_m = []
     for i in range(0, 399, 4):
         step_m = 4.0 * float(np.hypot(np.diff(radius_m)[0], radius_m[i] * turn[1]))
         heading_deg = float(np.degrees(turn[i])) + 90.0
         # driven 3 m further out than the line: midway to the next turn
-        out = degrees(
-            np.array((radius_m[i] + 3.1) * np.sin(turn[i])),
-            np.array((radius_m[i] + 3.1) * np.cos(turn[i])),
-        )
-        near = index.near(float(out[0]), float(out[1]), heading_deg % 360.0)
-        last = chosen(near, last, step_m)
-        assert last is not None
+        out_m = radius_m[i] + 3.1
+        east_m, north_m = out_m * float(np.sin(turn[i])), out_m * float(np.cos(turn[i]))
+        seen = sight(east_m, north_m, heading_deg % 360.0, 0.1 * i)
+        found = matcher.observe(seen, Moves.measured(step_m))
+        assert found is not None
         expected_m = coil.line.length_m * (i / 399.0)
-        far_m.append(abs(last.along_m - expected_m))
+        far_m.append(abs(found.candidate.along_m - expected_m))
     assert max(far_m) < 60.0
 
 
 def test_the_own_route_goes_before_a_nearer_road() -> None:
-    route = Match("7", 1, 100.0, 20.0)
-    street = Match("road-1", 1, 50.0, 2.0)
-    assert chosen([street, route], street, 10.0, "7") == route
-    assert chosen([street, route], None, 10.0, None) == street
-    assert chosen([], street, 10.0, "7") is None
+    roads = KnownRoads([RoadProfile(road(*straight()), {})])
+    at_street = sight(200.0, 2.0, 90.0)
+    assert {each.edge_id for each in roads.near(at_street)} != {"7"}
+    roads.follow(Line(*straight(beside_m=20.0)), "7", loop=False, bin_m=20.0)
+    assert {each.edge_id for each in roads.near(at_street)} == {"7"}
+    assert "7" not in {each.edge_id for each in roads.near(sight(200.0, 24.0, 90.0))}
 
 
-@pytest.mark.parametrize(("apart_m", "goes_on"), [(25.0, True), (45.0, False)])
-def test_a_road_goes_on_where_the_distance_puts_it_within_30_m(
-    apart_m: float, goes_on: bool
-) -> None:
-    """After 10 m there are 2 m more; farther off, the nearer road is the one."""
-    last = Match("road-1", 1, 100.0, 5.0)
-    same, other = Match("road-1", 1, 110.0 + apart_m, 20.0), Match("road-2", 1, 50.0, 1.0)
-    assert chosen([same, other], last, 10.0) == (same if goes_on else other)
+def test_a_road_goes_on_beside_another_that_is_nearer_for_a_while() -> None:
+    """A street begins 20 m beside: who came along one is on it until the evidence has added up."""
+    lats_deg, lons_deg = straight(2000.0, beside_m=20.0)
+    own, beside = road(*straight(2000.0)), road(lats_deg[10:], lons_deg[10:])
+    matcher = Matcher(RoadIndex([own, beside]), CHANGE_COST)
+    ids = []
+    for step in range(120):
+        north_m = 0.0 if step < 20 else -17.0
+        found = matcher.observe(sight(10.0 * step, north_m, 90.0, step), Moves.measured(10.0))
+        assert found is not None
+        ids.append(found.candidate.edge_id)
+    changes_m = [10 * step for step in range(1, 120) if ids[step] != ids[step - 1]]
+    assert ids[0] == own.road_id
+    assert ids[-1] == beside.road_id
+    assert len(changes_m) == 1
+    assert 300 <= changes_m[0] <= 600
+
+
+def test_a_loop_goes_on_over_its_seam_and_against_its_line() -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 100)
+    ring = road(*degrees(150.0 * np.sin(turn), 150.0 * np.cos(turn)))
+    index, length_m = RoadIndex([ring]), ring.line.length_m
+    for direction, heading_deg in ((1, 90.0), (-1, 270.0)):
+        side_m = 5.0 * direction
+        before = best(index, -side_m, 150.0, heading_deg)
+        after = best(index, side_m, 150.0, heading_deg)
+        assert before is not None
+        assert after is not None
+        assert before.direction == after.direction == direction
+        ends = index.near(sight(-side_m, 150.0, heading_deg))
+        starts = index.near(sight(side_m, 150.0, heading_deg))
+        ways_m = [index.advance_m(end, start, 10.0) for end in ends for start in starts]
+        assert all(way_m == pytest.approx(10.0, abs=2.0) for way_m in ways_m)
+        assert abs(before.along_m - after.along_m) > 0.5 * length_m

@@ -10,7 +10,8 @@ from starlette.testclient import WebSocketDenialResponse
 from wayline import __version__
 from wayline.errors import InputError
 from wayline.http import Healthz, JsonAnswer, answers, create_service_app
-from wayline.http_guard import TOKEN_PROTOCOL, is_known
+from wayline.http_guard import TOKEN_PROTOCOL
+from wayline.http_scopes import Keyring, Scope
 from wayline.http_settings import HttpSettings, check_exposure
 
 TOKEN = "correct-horse-battery"
@@ -245,8 +246,8 @@ def test_a_websocket_without_a_known_token_is_refused(offered: str) -> None:
 
 
 def test_a_token_outside_ascii_is_simply_unknown() -> None:
-    assert not is_known("schlüssel", [TOKEN])
-    assert is_known(TOKEN, ["first", TOKEN])
+    assert Keyring([TOKEN]).scope_of("schlüssel") is None
+    assert Keyring(["first", TOKEN]).scope_of(TOKEN) is Scope.WRITE
 
 
 @pytest.mark.parametrize(

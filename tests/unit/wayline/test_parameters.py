@@ -62,9 +62,8 @@ def test_openapi_gets_names_limits_and_defaults() -> None:
                 "name": "lat_deg",
                 "in": "query",
                 "required": True,
-                "schema": {
-                    "type": "number", "minimum": -90.0, "maximum": 90.0, "description": "Where"
-                },
+                "description": "Where",
+                "schema": {"type": "number", "minimum": -90.0, "maximum": 90.0},
             },
             {
                 "name": "step_m",

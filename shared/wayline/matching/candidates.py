@@ -3,27 +3,25 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wayline.line import Line
-
-Floats = NDArray[np.float64]
 
 SPREAD_M = 200.0
 """Places this much farther away than the nearest one are not worth a thought."""
 
 
-class Candidates(NamedTuple):
-    """Locally nearest points of a line in order of distance along it; all of shape (n,)."""
+class Near(NamedTuple):
+    """A locally nearest point of a line."""
 
-    alongs_m: Floats
-    offsets_m: Floats
-    """Of the seen position from the line, positive to the right of the direction of travel."""
-    headings_deg: Floats
+    along_m: float
+    offset_m: float
+    """Of the seen position from the line, positive to the right of the line's direction."""
+    heading_deg: float
+    """Of the line."""
 
 
-def locally_nearest(line: Line, lat_deg: float, lon_deg: float) -> Candidates:
-    """Every point of a line that is nearer than the line just before and after it.
+def locally_nearest(line: Line, lat_deg: float, lon_deg: float) -> list[Near]:
+    """Every point of a line that is nearer than the line just before and after it, in order.
 
     A line that passes a place twice (a lap, a spur driven out and back) has one for each passage.
     The distance to a leg is convex along it, so such a point is inside a leg, or a vertex where
@@ -37,8 +35,7 @@ def locally_nearest(line: Line, lat_deg: float, lon_deg: float) -> Candidates:
     found[0] |= at_start[0]
     found[-1] |= at_end[-1]
     found &= legs.offsets_m <= legs.offsets_m.min() + SPREAD_M
-    return Candidates(
-        legs.alongs_m[found],
-        np.copysign(legs.offsets_m[found], legs.sides[found]),
-        line.headings_deg[found],
-    )
+    nearest = np.flatnonzero(found)
+    offsets_m = np.copysign(legs.offsets_m[nearest], legs.sides[nearest])
+    columns = (legs.alongs_m[nearest], offsets_m, line.headings_deg[nearest])
+    return [Near(*each) for each in zip(*(column.tolist() for column in columns), strict=True)]
