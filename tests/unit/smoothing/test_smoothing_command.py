@@ -1,7 +1,7 @@
 """`wayline evaluate smoothing`: from a drive's folder to its tables."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -91,17 +91,6 @@ def test_the_modified_filter_is_the_best_of_the_papers_four_on_simulated_trips(
     assert off_m["kernel"] > 10.0 * off_m["modified_kalman"]
     assert off_m["rts"] < 0.05 * 1_609.344
     assert report.references == {"truth": 12}
-
-
-def test_wheels_judge_where_there_are_some(recorded: Callable[[str], Path], tmp_path: Path) -> None:
-    """css-164 by its GPS alone, against its wheels of the scale that GPS tells."""
-    study = studied(tmp_path, recorded("css-164"))
-    assert study.report["references"] == {"wheels": 1}
-    assert study.report["methods"]["rts"]["distance"]["error_max_pct"] < 0.3
-    absolute = {
-        name: study.report["methods"][name]["acceleration_mps2"]["mean_absolute"] for name in FOUR
-    }
-    assert min(absolute.values()) == absolute["modified_kalman"]
 
 
 def test_three_fixes_are_too_few(tmp_path: Path) -> None:
