@@ -24,6 +24,8 @@ JERK_MPS2_PER_SQRT_S = 1.0
 """Within a second an acceleration changes by so much: brakes and gears."""
 STANDING_MPS = 0.2
 """Doppler at rest reads less: it is noise, and no way."""
+CREEPING_SHARE = 0.5
+"""Of the way that is left out as noise at rest, what it may have been in truth; one sigma."""
 STANDING_BY_POSITIONS_MPS = 0.5
 """Positions at rest wander by less."""
 TOLD_SHARE_MIN = 0.5
@@ -73,8 +75,11 @@ def profile_of(track: Track) -> Profile:
     if doubt := unit_doubt(track):
         return _by_positions(track, (str(doubt),))
     made = smoothed(track.times_s, track.speeds_mps, track.speed_stds_mps, JERK_MPS2_PER_SQRT_S)
-    speeds_mps = np.where(made.values < STANDING_MPS, 0.0, made.values)
-    return Profile(speeds_mps, "speeds", made.std_of_sum(_spans_s(track)), ())
+    stands = made.values < STANDING_MPS
+    spans_s = _spans_s(track)
+    creeping_m = CREEPING_SHARE * float(np.abs(made.values) @ np.where(stands, spans_s, 0.0))
+    std_m = float(np.hypot(made.std_of_sum(spans_s), creeping_m))
+    return Profile(np.where(stands, 0.0, made.values), "speeds", std_m, ())
 
 
 def _by_positions(track: Track, doubts: tuple[str, ...]) -> Profile:

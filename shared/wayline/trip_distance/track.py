@@ -35,10 +35,12 @@ class Track:
 
     @cached_property
     def _steps(self) -> tuple[Floats, Floats]:
-        bearings_deg, _, chords_m = WGS84.inv(
+        """Bearings halfway, in radians, and lengths: a leap there and back adds up to nothing."""
+        there_deg, back_deg, chords_m = WGS84.inv(
             self.lons_deg[:-1], self.lats_deg[:-1], self.lons_deg[1:], self.lats_deg[1:]
         )
-        return np.asarray(bearings_deg), np.asarray(chords_m)
+        turns_deg = (np.asarray(back_deg) - there_deg) % 360.0 - 180.0
+        return np.radians(there_deg + 0.5 * turns_deg), np.asarray(chords_m)
 
     @property
     def chords_m(self) -> Floats:
@@ -53,7 +55,7 @@ class Track:
     @cached_property
     def places_m(self) -> Floats:
         """East and north of the first fix, shape (n, 2): steps added up, each in its own plane."""
-        bearings_rad = np.radians(self._steps[0])
+        bearings_rad = self._steps[0]
         steps_m = self.chords_m[:, np.newaxis] * np.column_stack(
             (np.sin(bearings_rad), np.cos(bearings_rad))
         )

@@ -8,7 +8,9 @@ from builders import at, odometer
 from unit.trip_distance.journeys import Leg, journey, metered, moved, with_hole
 from wayline.line import Line
 from wayline.messages import GpsFix, Pose
+from wayline.trip_distance.track import track_of
 from wayline.trip_distance.trip import TripMeter
+from wayline.tuning import Tuning
 
 STRAIGHT = [Leg(601, 70.0, 15.0)]
 """9 km."""
@@ -193,3 +195,12 @@ def test_a_trip_round_the_date_line_is_as_long_as_elsewhere() -> None:
     ]
     assert {(each.lon_deg or 0.0) > 0.0 for each in fixes} == {True, False}
     assert metered(fixes).distance_m == pytest.approx(9_000.0, rel=0.001)
+
+
+def test_a_leap_of_half_a_continent_and_back_leaves_no_trace() -> None:
+    """Meridians meet: there and back have other bearings, and add up to nothing all the same."""
+    fixes = journey(STRAIGHT)
+    leap = msgspec.structs.replace(fixes[300], lat_deg=50.0, lon_deg=25.0)
+    track = track_of([*fixes[:300], leap, *fixes[301:]], Tuning())
+    straight_m = np.linalg.norm(track.places_m[-1] - track.places_m[0])
+    assert straight_m == pytest.approx(9_000.0, abs=5.0)
