@@ -170,7 +170,7 @@ def smoothing_command(
     *,
     fusion: Annotated[
         int, typer.Option(min=0, help="Trips, spread evenly, that fusion is run on; it is slow.")
-    ] = 10,
+    ] = 5,
     json: Json = None,
     plot: Plot = None,
     jobs: Jobs = 1,

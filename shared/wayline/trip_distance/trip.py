@@ -6,7 +6,6 @@ then wheels tell the whole way, before the first fix and through holes too.
 """
 
 import math
-from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from wayline.trip_distance.integrated_walk import Flags, Floats
 from wayline.trip_distance.speeds import profile_of
 from wayline.trip_distance.track import Track, track_of
 from wayline.trip_distance.trust import holes_between, trusted
-from wayline.trip_distance.wheels import Wheels
+from wayline.trip_distance.wheels import Steps, Wheels
 from wayline.tuning import Tuning
 
 DistanceBasis = Literal["wheels", "speeds", "positions"]
@@ -80,17 +79,19 @@ class TripMeter:
     def distance(self) -> TripDistance | None:
         """Of the trip so far; None where less than two fixes and no wheels tell of it."""
         wheels = self._odometer if self._odometer.are_told else self._fused
-        by_gps = gps_way(self._fixes, self._tuning, self._route)
-        if by_gps is None:
+        if len(self._fixes) < 2:
             return _uncalibrated(wheels) if wheels.are_told else None
-        return _calibrated(wheels, by_gps) if wheels.are_told else by_gps.total()
+        by_gps = gps_way(track_of(self._fixes, self._tuning), self._route)
+        if not wheels.are_told:
+            return by_gps.total()
+        steps = wheels.steps([fix.t_ns for fix in self._fixes])
+        return _calibrated(by_gps, steps, wheels.driven_m)
 
 
 class GpsWay(NamedTuple):
     """The way from fix to fix by GPS alone, at n fixes."""
 
     track: Track
-    times_ns: list[int]
     steps_m: Floats
     """Shape (n - 1,)."""
     bridged: Flags
@@ -117,11 +118,8 @@ class GpsWay(NamedTuple):
         return TripDistance(distance_m, std_m, self.basis, bridged_m, self.doubts)
 
 
-def gps_way(fixes: Sequence[GpsFix], tuning: Tuning, route: Line | None = None) -> GpsWay | None:
-    """The way by valid fixes at times that increase; None of less than two."""
-    if len(fixes) < 2:
-        return None
-    track = track_of(fixes, tuning)
+def gps_way(track: Track, route: Line | None = None) -> GpsWay:
+    """The way by two fixes or more."""
     profile = profile_of(track)
     steps_m = 0.5 * (profile.speeds_mps[1:] + profile.speeds_mps[:-1]) * track.steps_s
     believed = trusted(track)
@@ -135,7 +133,6 @@ def gps_way(fixes: Sequence[GpsFix], tuning: Tuning, route: Line | None = None) 
     doubts = profile.doubts if track.good.any() else (*profile.doubts, "no fix is good")
     return GpsWay(
         track=track,
-        times_ns=[fix.t_ns for fix in fixes],
         steps_m=steps_m,
         bridged=bridged,
         hole_stds_m=stds_m,
@@ -151,15 +148,14 @@ def _uncalibrated(wheels: Wheels) -> TripDistance:
     return TripDistance(wheels.driven_m, std_m, "wheels", doubts=("no fix measures the wheels",))
 
 
-def _calibrated(wheels: Wheels, by_gps: GpsWay) -> TripDistance:
+def _calibrated(by_gps: GpsWay, steps: Steps, driven_m: float) -> TripDistance:
     """Wheels where they told, by the scale that fixes without a hole tell; GPS where not."""
-    steps = wheels.steps(by_gps.times_ns)
     compared = steps.told & ~by_gps.bridged
     scale, scale_std = _scale(
         float(by_gps.steps_m[compared].sum()), float(steps.ways_m[compared].sum()), by_gps
     )
     alone = ~steps.told
-    rolled_m = wheels.driven_m - float(steps.ways_m[alone].sum())
+    rolled_m = driven_m - float(steps.ways_m[alone].sum())
     distance_m = scale * rolled_m + float(by_gps.steps_m[alone].sum())
     bridged_stds_m = np.where(alone, by_gps.hole_stds_m, 0.0)
     std_m = math.hypot(float(np.linalg.norm(bridged_stds_m)), scale_std * rolled_m, ENDS_STD_M)

@@ -16,7 +16,7 @@ from wayline.trip_distance.trust import HOLE_S
 
 SHORTEST_M = 50.0
 """Of a stretch that is looked at."""
-STRETCHES_MAX = 60
+STRETCHES_MAX = 40
 """So many tell as much as all."""
 STRETCHES_MIN = 12
 """With fewer, nothing is known but what roads are like."""

@@ -58,7 +58,7 @@ def read_trip(folder: Path) -> ReadTrip:
     if not track.good.any():
         notes.append("no fix is good: fewer than 4 satellites or a PDOP above 8 throughout")
     reference = _reference(drive, fixes, track, gathered.wheels)
-    return ReadTrip(name, Trip(name, fixes, track, drive.tuning, reference), tuple(notes))
+    return ReadTrip(name, Trip(name, fixes, track, reference), tuple(notes))
 
 
 class Gathered:

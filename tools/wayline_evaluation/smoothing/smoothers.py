@@ -76,9 +76,7 @@ def by_modified_kalman(trip: Trip) -> Made:
 
 def by_rts(trip: Trip) -> Made:
     """Rauch-Tung-Striebel smoother, holes bridged: Wayline's own trip distance."""
-    way = gps_way(trip.fixes, trip.tuning)
-    if way is None:
-        raise ValueError("a trip has two fixes or more")
+    way = gps_way(trip.track)
     told = way.total()
     by_speeds_m = _by_speeds(trip, way.speeds_mps)
     return Made(way.speeds_mps, told.distance_m, by_speeds_m, told.distance_std_m)

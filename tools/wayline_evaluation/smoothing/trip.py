@@ -7,7 +7,6 @@ import numpy as np
 
 from wayline.messages import GpsFix
 from wayline.trip_distance.track import Track
-from wayline.tuning import Tuning
 from wayline_evaluation.estimates import Floats
 
 ReferenceKind = Literal["truth", "wheels", "receiver"]
@@ -35,7 +34,6 @@ class Trip:
     name: str
     fixes: tuple[GpsFix, ...]
     track: Track
-    tuning: Tuning
     reference: Reference
 
     @property
