@@ -267,6 +267,22 @@ class StopArrival(msgspec.Struct, frozen=True, kw_only=True):
     """Where it is of a later trip than the one under way: of the same block."""
     confidence: Literal["learned", "timetable", "planned"] | None = None
     """What it rests on: travel times that were learned, a timetable's, a route's planned speeds."""
+    stop_sequence: Count | None = None
+    """The timetable's number of the stop within its trip; null without one."""
+
+
+class TripRun(msgspec.Struct, frozen=True, kw_only=True):
+    """A trip of a timetable on one day."""
+
+    trip_id: Text
+    route_id: Text
+    direction_id: Literal[0, 1] | None = None
+    start_date: Text
+    """Its service day, as GTFS writes it: 20260131."""
+    start_time: Text | None = None
+    """Of a trip that is repeated (frequencies): when this time begins, 07:30:00."""
+    exact: bool = True
+    """Whether it is promised at its times; else only the time between two vehicles is."""
 
 
 class Arrivals(Message, frozen=True, kw_only=True):
@@ -283,6 +299,8 @@ class Arrivals(Message, frozen=True, kw_only=True):
     position_ns: TimeNs | None = None
     """Instant of the position that this rests on."""
     stops: Annotated[tuple[StopArrival, ...], AtMost] = ()
+    runs: Annotated[tuple[TripRun, ...], AtMost] = ()
+    """The timetable's trips that the stops are of: the one under way, then a later one."""
 
 
 StopEventKind = Literal["arrived", "departed", "passed", "skipped"]

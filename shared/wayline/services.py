@@ -71,7 +71,7 @@ _ROWS = (
     ServiceRow(
         "eta",
         8001,
-        ("filterpy",),
+        ("filterpy", "google.transit"),
         Replayed.AS_NODE,
         tables=Tables(lost_without="what was learned of travel times is lost at a restart"),
         shows="arrivals",

@@ -219,19 +219,23 @@ def eta_command(
     ] = None,
     out: Out = None,
     json: Json = None,
+    plot: Plot = None,
     jobs: Jobs = 1,
 ) -> None:
     """How good predicted arrivals were, by minutes ahead, against when the vehicle came."""
+    from wayline_evaluation.eta_plot import plot_eta
     from wayline_evaluation.eta_study import Followed, eta_study
-    from wayline_evaluation.eta_table import eta_table
+    from wayline_evaluation.eta_table import eta_tables
     from wayline_evaluation.replays import Options
 
-    check_targets(json, None)
+    check_targets(json, plot)
     with progress() as progressed:
         options = Options(out=out, jobs=jobs)
         followed = Followed(tuple(route or ()), tuple(feed or ()), database)
-        report = eta_study(drives, followed, options, progressed)
-    _tell([eta_table(report)], report, json)
+        report, runs = eta_study(drives, followed, options, progressed)
+    _tell(eta_tables(report), report, json)
+    if plot is not None:
+        plot_eta(report, runs, plot)
 
 
 @evaluate_app.command("following")

@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from itertools import takewhile
 
-from wayline.messages import LIST_MAX, StopArrival
+from wayline.messages import LIST_MAX, StopArrival, TripRun
 from wayline.route import Route
+from wayline.timetable.clock_times import clock_of_seconds
 from wayline.timetable.runs import Run
 from wayline_eta.arrivals import Visit
 
@@ -25,6 +26,7 @@ def of_run(run: Run, visits: Sequence[Visit]) -> tuple[StopArrival, ...]:
             departure_ns=visit.departure_ns,
             scheduled_ns=_promised(run, _planned_ns(run, float(arrivals_s[visit.stop]))),
             confidence="learned" if visit.is_learned else "timetable",
+            stop_sequence=run.trip_route.sequences[visit.stop],
         )
         for visit in visits
     )
@@ -58,9 +60,23 @@ def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArr
             scheduled_ns=_promised(run, scheduled_ns),
             trip_id=run.trip.trip_id,
             confidence="timetable",
+            stop_sequence=run.trip_route.sequences[at],
         )
         found.setdefault(stop.stop_id, arrival)
     return tuple(found.values())
+
+
+def told_run(run: Run) -> TripRun:
+    """A run as it is told."""
+    direction_id = run.pattern.direction_id
+    return TripRun(
+        trip_id=run.trip.trip_id,
+        route_id=run.pattern.route_id,
+        direction_id=None if direction_id is None else 1 if direction_id else 0,
+        start_date=run.day.strftime("%Y%m%d"),
+        start_time=None if run.repeat_s is None else clock_of_seconds(run.repeat_s),
+        exact=run.is_exact,
+    )
 
 
 def _planned_ns(run: Run, time_s: float) -> int:

@@ -19,7 +19,7 @@ from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.matching import CHANGE_COST, SPACING_M, Match, carried_on
 from wayline_slope_map.profile import lookahead
 from wayline_slope_map.records import RoadLearned
-from wayline_slope_map.run import finished_runs
+from wayline_slope_map.run import driven_run
 from wayline_slope_map.track import Altitude, Place, Pressure, Track
 
 CAR = Vehicle()
@@ -170,9 +170,10 @@ class SlopeMapCore:
             self._track.altitudes.append(Altitude(fix.t_ns, fix.alt_m, std_m, source))
 
     def _finish(self) -> Sequence[Record]:
-        """The runs of the track so far; a new track begins."""
+        """The run of the track so far; a new track begins."""
         track, self._track = self._track, Track()
-        return finished_runs(track, self._vehicle_id, self._roads.roads(), self._tuning)
+        run = driven_run(track, self._vehicle_id, self._roads.roads(), self._tuning)
+        return [] if run is None else [run]
 
     def _look_ahead(self, tick: Tick) -> Sequence[Message | Sleep]:
         """The horizon of a fresh pose; without one it ends with an empty one."""

@@ -23,7 +23,7 @@ from wayline.tuning import Tuning
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.profile import RoadProfile
-from wayline_slope_map.records import FinishedRun, RoadLearned
+from wayline_slope_map.records import DrivenRun, FinishedRun, RoadLearned
 from wayline_slope_map.sums import estimate, run_sums
 
 DAY_NS = 86_400 * SECOND_NS
@@ -152,7 +152,7 @@ def test_each_lap_of_a_known_loop_ends_a_run_and_the_horizon_wraps() -> None:
     runs, ahead = [], None
     for message in laps:
         for output in knowing.handle(message, "test"):
-            if isinstance(output, FinishedRun):
+            if isinstance(output, DrivenRun):
                 runs.append((output, message))
             elif isinstance(output, Horizon):
                 ahead = output
