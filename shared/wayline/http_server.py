@@ -101,7 +101,7 @@ def _listen(host: str, port: int) -> socket.socket:
         family, _, _, _, address = socket.getaddrinfo(
             host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
         )[0]
-        return socket.create_server(address, family=family)
+        listening = socket.create_server(address, family=family)
     except OSError as error:
         # create_server adds the address in brackets, which `where` says already
         reason = (error.strerror or str(error)).partition(" (while")[0]
@@ -110,6 +110,9 @@ def _listen(host: str, port: int) -> socket.socket:
             f"cannot listen ({reason})",
             "stop what uses the port or set another http.port or http.host",
         ) from None
+    # head and body are two writes: the second would wait 40 ms for the first one's acknowledgement
+    listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return listening
 
 
 def _check_certificate(settings: HttpSettings) -> None:

@@ -267,6 +267,22 @@ class StopArrival(msgspec.Struct, frozen=True, kw_only=True):
     """Where it is of a later trip than the one under way: of the same block."""
     confidence: Literal["learned", "timetable", "planned"] | None = None
     """What it rests on: travel times that were learned, a timetable's, a route's planned speeds."""
+    stop_sequence: Count | None = None
+    """The timetable's number of the stop within its trip; null without one."""
+
+
+class TripRun(msgspec.Struct, frozen=True, kw_only=True):
+    """A trip of a timetable on one day."""
+
+    trip_id: Text
+    route_id: Text
+    direction_id: Literal[0, 1] | None = None
+    start_date: Text
+    """Its service day, as GTFS writes it: 20260131."""
+    start_time: Text | None = None
+    """Of a trip that is repeated (frequencies): when this time begins, 07:30:00."""
+    exact: bool = True
+    """Whether it is promised at its times; else only the time between two vehicles is."""
 
 
 class Arrivals(Message, frozen=True, kw_only=True):
@@ -283,6 +299,8 @@ class Arrivals(Message, frozen=True, kw_only=True):
     position_ns: TimeNs | None = None
     """Instant of the position that this rests on."""
     stops: Annotated[tuple[StopArrival, ...], AtMost] = ()
+    runs: Annotated[tuple[TripRun, ...], AtMost] = ()
+    """The timetable's trips that the stops are of: the one under way, then a later one."""
 
 
 StopEventKind = Literal["arrived", "departed", "passed", "skipped"]
@@ -332,6 +350,46 @@ class Horizon(Message, frozen=True, kw_only=True):
     position_m: Quantity | None = None
     """Along the road's line from its start."""
     points: Annotated[tuple[HorizonPoint, ...], AtMost] = ()
+
+
+class TripStop(msgspec.Struct, frozen=True, kw_only=True):
+    """Where a vehicle stood on its way."""
+
+    started_ns: TimeNs
+    dwell_s: NonNegative
+    lat_deg: LatDeg
+    lon_deg: LonDeg
+
+
+class Trip(Message, frozen=True, kw_only=True):
+    """A trip of the vehicle, from its first move to its last, told when it has ended.
+
+    A timetable's trip is another thing. Told again under its key where it went on after all.
+    """
+
+    topic: ClassVar[str] = "trip"
+    rate_hz: ClassVar[float] = 0.01
+
+    trip_key: Text
+    """Of the vehicle and the start."""
+    started_ns: TimeNs
+    ended_ns: TimeNs
+    distance_m: NonNegative
+    distance_std_m: Std
+    climb_m: NonNegative | None = None
+    """All that it went up; what the altitude's error may be counts for nothing."""
+    climb_std_m: Std | None = None
+    moving_s: NonNegative
+    max_speed_mps: Speed
+    start_lat_deg: LatDeg | None = None
+    start_lon_deg: LonDeg | None = None
+    end_lat_deg: LatDeg | None = None
+    end_lon_deg: LonDeg | None = None
+    rejected: Count = 0
+    """Measurements that were refused."""
+    outage_s: NonNegative = 0.0
+    """Without accepted fixes."""
+    stops: Annotated[tuple[TripStop, ...], AtMost] = ()
 
 
 class Missing(msgspec.Struct, frozen=True, kw_only=True):
@@ -384,6 +442,7 @@ MESSAGES: tuple[type[Message], ...] = (
     Arrivals,
     StopEvent,
     Horizon,
+    Trip,
     Health,
 )
 TOPICS: dict[str, type[Message]] = {message.topic: message for message in MESSAGES}

@@ -45,6 +45,7 @@ def test_arrivals_are_listed_soonest_first(stage: Stage, watched: Watched) -> No
     expect(rows.first.locator(".stop-distance")).to_have_text(f"{ahead_m:.0f} m ahead")
     expect(rows.last).to_contain_text("College Avenue")
     expect(rows.last.locator(".countdown")).to_have_text("in 3 min")
+    expect(rows.last.locator(".range")).to_have_text(re.compile(r"\(\d.\d\)"))
 
 
 def test_the_mode_and_its_age_are_told(stage: Stage, watched: Watched) -> None:

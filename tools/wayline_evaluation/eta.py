@@ -1,9 +1,4 @@
-"""Pure: how good predicted arrivals were, by how far ahead they were made.
-
-The error is when the vehicle came minus when it was said to. A range holds where it came within it.
-Yardsticks, with the time to go in minutes: the ETA Accuracy Benchmark, by the actual time to go;
-Cal-ITP's bounds, by the predicted one.
-"""
+"""Pure: what was told of a drive's arrivals beside when the vehicle came, as eta scores it."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
@@ -14,11 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wayline.messages import Arrivals, StopEvent
+from wayline_eta.scores import Prediction, Score, Sums, added, score_of, sums_of
+from wayline_evaluation.eta_trials import CAME, StopErrors, Trial, TrialErrors, by_stop
 
-SPANS_MIN = ((0.0, 3.0), (3.0, 6.0), (6.0, 10.0), (10.0, 15.0), (15.0, 30.0))
-BENCHMARK_MIN = ((-0.5, 1.5), (-1.0, 2.5), (-1.0, 3.5), (-1.5, 4.5))
-"""Of the first four spans; later ones have none."""
-CAME = ("arrived", "passed")
 GHOST_S = 600.0
 """An arrival that was due so long before the end, and has not come by then, never does."""
 
@@ -29,35 +22,19 @@ StopKey = tuple[str | None, str]
 """Trip (None on a route without) and stop."""
 
 
-class SpanScore(msgspec.Struct, frozen=True, kw_only=True):
-    """Of the predictions so many minutes ahead; null where there are none."""
-
-    from_min: float
-    to_min: float
-    count: int
-    mean_s: float | None
-    mean_absolute_s: float | None
-    std_s: float | None
-    benchmark_share: float | None
-    """In the ETA Accuracy Benchmark's bounds; null beyond 15 minutes."""
-    cal_itp_share: float | None
-    held_share: float | None
-    """Within the range from p10 to p90."""
-
-
-class EtaScore(msgspec.Struct, frozen=True, kw_only=True):
+class EtaScore(Score, frozen=True, kw_only=True):
     """One drive, or all together."""
 
     drive: str
-    arrivals: int
-    """Stops that the vehicle came to."""
-    told_share: float | None
-    """Of the seconds on the route, those with a prediction."""
-    ghost_share: float | None
-    """Of the predictions, those of arrivals that never came."""
-    spans: tuple[SpanScore, ...]
-    benchmark_share: float | None
-    """The mean of the first four spans."""
+
+
+class LapScore(msgspec.Struct, frozen=True, kw_only=True):
+    """What was told during one lap or trip, of any stop."""
+
+    trial: str
+    count: int
+    mean_absolute_s: float
+    held_share: float
 
 
 class EtaReport(msgspec.Struct, frozen=True, kw_only=True):
@@ -65,16 +42,12 @@ class EtaReport(msgspec.Struct, frozen=True, kw_only=True):
 
     scores: tuple[EtaScore, ...]
     pooled: EtaScore
-
-
-class Prediction(NamedTuple):
-    """One arrival as it was told once, and when it came; in seconds from when it was told."""
-
-    predicted_s: float
-    early_s: float
-    late_s: float
-    actual_s: float | None
-    """None: it never came."""
+    trials: tuple[TrialErrors, ...]
+    """Tables 2 and 4 of papers/000."""
+    stops: tuple[StopErrors, ...]
+    """Its table 3."""
+    laps: tuple[LapScore, ...]
+    """In their order: whether predictions grow better."""
 
 
 class EtaRun(NamedTuple):
@@ -85,6 +58,8 @@ class EtaRun(NamedTuple):
     arrivals: int
     told_seconds: int
     seconds: int
+    trials: Sequence[TrialErrors] = ()
+    laps: Sequence[LapScore] = ()
 
 
 def predictions_of(told: Iterable[Arrivals], events: Sequence[StopEvent]) -> list[Prediction]:
@@ -125,60 +100,44 @@ def _instants(events: Iterable[StopEvent]) -> dict[StopKey, NDArray[np.int64]]:
 
 def scored(run: EtaRun) -> EtaScore:
     """Figures of one drive."""
-    spans = tuple(_span(run.predictions, *span) for span in SPANS_MIN)
-    shares = [each.benchmark_share for each in spans if each.benchmark_share is not None]
-    ghosts = sum(each.actual_s is None for each in run.predictions)
-    return EtaScore(
-        drive=run.drive,
-        arrivals=run.arrivals,
-        told_share=run.told_seconds / run.seconds if run.seconds else None,
-        ghost_share=ghosts / len(run.predictions) if run.predictions else None,
-        spans=spans,
-        benchmark_share=float(np.mean(shares)) if shares else None,
-    )
+    return _named(run.drive, _sums(run))
 
 
 def pooled(runs: Sequence[EtaRun]) -> EtaScore:
     """Figures of all drives together."""
-    return scored(
-        EtaRun(
-            "all",
-            [each for run in runs for each in run.predictions],
-            sum(run.arrivals for run in runs),
-            sum(run.told_seconds for run in runs),
-            sum(run.seconds for run in runs),
-        )
+    return _named("all", added(map(_sums, runs)))
+
+
+def report_of(runs: Sequence[EtaRun]) -> EtaReport:
+    """What all drives say."""
+    trials = [trial for run in runs for trial in run.trials]
+    return EtaReport(
+        scores=tuple(map(scored, runs)),
+        pooled=pooled(runs),
+        trials=tuple(trials),
+        stops=tuple(by_stop(trials)),
+        laps=tuple(lap for run in runs for lap in run.laps),
     )
 
 
-def _span(predictions: Iterable[Prediction], from_min: float, to_min: float) -> SpanScore:
-    rows = [
-        (each.predicted_s, each.early_s, each.late_s, each.actual_s)
-        for each in predictions
-        if each.actual_s is not None and from_min <= each.actual_s / 60.0 < to_min
-    ]
-    if not rows:
-        unknown = dict.fromkeys(SpanScore.__struct_fields__[3:])
-        return SpanScore(from_min=from_min, to_min=to_min, count=0, **unknown)
-    predicted_s, early_s, late_s, actual_s = np.array(rows, dtype=np.float64).T
-    errors_s = actual_s - predicted_s
-    ahead_min = np.maximum(predicted_s / 60.0, 0.0)
-    is_cal_itp = (errors_s > -60.0 * np.log(ahead_min + 1.3)) & (
-        errors_s < 60.0 * np.log(ahead_min + 1.5)
+def lap_score(trial: Trial, told: Sequence[Arrivals], events: Sequence[StopEvent]) -> LapScore:
+    """How good was what was told from a trial's first stop to its end."""
+    begin_ns, end_ns = trial.before[0].t_ns, trial.end.t_ns
+    predictions = predictions_of([one for one in told if begin_ns <= one.t_ns < end_ns], events)
+    spans = sums_of(predictions).spans
+    count = sum(span.count for span in spans)
+    return LapScore(
+        trial=trial.name,
+        count=count,
+        mean_absolute_s=sum(span.absolute_s for span in spans) / max(count, 1),
+        held_share=sum(span.held for span in spans) / max(count, 1),
     )
-    bounds = dict(zip(SPANS_MIN, BENCHMARK_MIN, strict=False)).get((from_min, to_min))
-    benchmark = None
-    if bounds is not None:
-        benchmark = float(np.mean((errors_s / 60.0 >= bounds[0]) & (errors_s / 60.0 <= bounds[1])))
-    return SpanScore(
-        from_min=from_min,
-        to_min=to_min,
-        count=len(rows),
-        mean_s=float(np.mean(errors_s)),
-        mean_absolute_s=float(np.mean(np.abs(errors_s))),
-        std_s=float(np.std(errors_s)),
-        benchmark_share=benchmark,
-        cal_itp_share=float(np.mean(is_cal_itp)),
-        # instants are told in whole nanoseconds, arrivals seen to a second
-        held_share=float(np.mean((early_s <= actual_s) & (actual_s <= late_s))),
-    )
+
+
+def _sums(run: EtaRun) -> Sums:
+    of_drive = Sums(arrivals=run.arrivals, told_s=run.told_seconds, on_route_s=run.seconds)
+    return sums_of(run.predictions).plus(of_drive)
+
+
+def _named(drive: str, sums: Sums) -> EtaScore:
+    return EtaScore(drive=drive, **msgspec.structs.asdict(score_of(sums)))

@@ -16,7 +16,8 @@ from wayline.replayed_drive import ReplayedDrive
 from wayline.route_file import load_route
 from wayline.timetable.reading import read_timetable
 from wayline_eta.replayed import node
-from wayline_evaluation.eta import CAME, EtaReport, EtaRun, pooled, predictions_of, scored
+from wayline_evaluation.eta import EtaReport, EtaRun, lap_score, predictions_of, report_of
+from wayline_evaluation.eta_trials import CAME, errors_of, trials_of
 from wayline_evaluation.reference import Reference
 from wayline_evaluation.replays import (
     Options,
@@ -53,8 +54,8 @@ class Job:
 
 def eta_study(
     folders: Sequence[Path], followed: Followed, options: Options, progressed: Progressed
-) -> EtaReport:
-    """Each drive in its order and all together. Raises InputError.
+) -> tuple[EtaReport, list[EtaRun]]:
+    """Each drive in its order and all together, and what that rests on. Raises InputError.
 
     With a database each drive builds on what those before have taught; then one is replayed at a
     time.
@@ -62,7 +63,7 @@ def eta_study(
     jobs = [Job(folder, followed, options.keep(folder)) for folder in folders]
     at_a_time = options.jobs if followed.database_url is None else 1
     runs = list(done_by(_run, jobs, at_a_time, progressed))
-    return EtaReport(scores=tuple(map(scored, runs)), pooled=pooled(runs))
+    return report_of(runs), runs
 
 
 def _run(job: Job) -> EtaRun:
@@ -83,13 +84,17 @@ def _run(job: Job) -> EtaRun:
         events = read_topic(job.keep, StopEvent)
     else:
         events = list(_events(_eta(job.folder, followed), truth, _assigned(job)))
+    name = drive_name(job.folder)
+    trials = trials_of(name, events)
     on_route = {each.t_ns for each in read_topic(job.keep, Progress) if each.on_route}
     return EtaRun(
-        drive_name(job.folder),
+        name,
         predictions_of(told, events),
         sum(event.kind in CAME for event in events),
         sum(each.t_ns in on_route and bool(each.stops) and not each.stale for each in told),
         len(on_route),
+        trials=[errors for trial in trials if (errors := errors_of(trial, told)) is not None],
+        laps=[lap_score(trial, told, events) for trial in trials],
     )
 
 

@@ -3,11 +3,14 @@
 import datetime as dt
 import sys
 from argparse import Namespace
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+
+from fastapi import FastAPI
 
 from wayline.database import DatabaseAwayError
 from wayline.host_clock import told_ns
+from wayline.http import Healthz
 from wayline.keys import query_key
 from wayline.node import Node
 from wayline.patient_store import PatientStore, Tables
@@ -17,10 +20,13 @@ from wayline.service import Service
 from wayline.settings import Settings
 from wayline.shell import load_routes
 from wayline.shell import main as run_shell
+from wayline.telemetry import Telemetry
 from wayline.timetable.loading import load_timetable, timetable_warnings
 from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
 from wayline.timetable.versions import ended_line
+from wayline_eta.accuracy import Accuracy
+from wayline_eta.accuracy_metrics import AccuracyCollector
 from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
 from wayline_eta.core import assigned_routes, eta_node
@@ -36,27 +42,34 @@ def build(settings: Settings, options: Namespace) -> Service:
     del options
     routes = load_routes(settings)
     timetables = _timetables(settings)
-    lessons = lessons_by(timetables)
+    accuracy = Accuracy()
+    lessons = lessons_by(timetables, accuracy.take)
     store = None
     if settings.database_url is not None:
         where = Tables(settings.database_url, "wayline_eta", EtaTables)
         store = PatientStore(where, settings, lessons.remember)
     make_node = _make_node(settings, routes, timetables, lessons, store)
     board = EtaBoard()
+
+    def make_app(healthz: Callable[[], Healthz], telemetry: Telemetry) -> FastAPI:
+        telemetry.registry.register(AccuracyCollector(accuracy))
+        return create_eta_app(
+            board,
+            routes,
+            settings.http_of(NAME),
+            timetables=timetables,
+            accuracy=accuracy,
+            healthz=healthz,
+            registry=telemetry.registry,
+        )
+
     return Service(
         NAME,
         make_node,
         make_node("", "").core.reads,
         views=[board],
         store=store,
-        make_app=lambda healthz, telemetry: create_eta_app(
-            board,
-            routes,
-            settings.http_of(NAME),
-            timetables=timetables,
-            healthz=healthz,
-            registry=telemetry.registry,
-        ),
+        make_app=make_app,
         answers={
             query_key("*", "arrivals"): lambda vehicle_id, parameters: answer_arrivals(
                 board, vehicle_id, parameters

@@ -107,7 +107,7 @@ def vehicle_answer(vehicle_id: str, known: Known, now_ns: int) -> VehicleAnswer:
         age_s=round(heard.age_s(now_ns), 3) if heard else None,
         on_route=progress.on_route if progress else None,
         position=_position(heard) if heard else None,
-        progress=_progress(progress) if progress else None,
+        progress=progress_answer(progress) if progress else None,
     )
 
 
@@ -130,7 +130,8 @@ def _position(heard: Heard[Pose] | Heard[GpsFix]) -> PositionAnswer | None:
     )
 
 
-def _progress(progress: Progress) -> ProgressAnswer:
+def progress_answer(progress: Progress) -> ProgressAnswer:
+    """Progress as it was told."""
     return ProgressAnswer(
         t=rfc3339(progress.t_ns),
         route_id=progress.route_id,

@@ -1,10 +1,14 @@
 """Eta's HTTP: routes, vehicles and their arrivals (SPEC section 5)."""
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 from urllib.parse import quote
 
-from fastapi import FastAPI, Request
+from fastapi import FastAPI, Request, Response
+from fastapi.routing import APIRoute
+from fastapi.sse import EventSourceResponse
 from prometheus_client import CollectorRegistry
+from starlette.routing import BaseRoute
 
 from wayline.geojson import FeatureCollection
 from wayline.http import Healthz, JsonAnswer, SlowAnswer, answers, create_service_app
@@ -15,6 +19,7 @@ from wayline.route import Route
 from wayline.route_file import route_features
 from wayline.timetable.model import Timetable
 from wayline.timetable.runs import Runs
+from wayline_eta.accuracy import Accuracy, AccuracyAnswer, AccuracyParameters
 from wayline_eta.answers import ArrivalList, VehicleAnswer, VehicleList
 from wayline_eta.board import (
     ArrivalsParameters,
@@ -22,7 +27,16 @@ from wayline_eta.board import (
     StopArrivalsParameters,
     answer_arrivals,
 )
+from wayline_eta.realtime_feeds import (
+    MEDIA_TYPES,
+    FeedParameters,
+    RealtimeFeed,
+    positions_feed,
+    updates_feed,
+)
+from wayline_eta.rendered import Rendered
 from wayline_eta.stop_directory import StopDirectory, StopList, StopsParameters
+from wayline_eta.stream import Reader, StreamParameters, VehicleArrivals, VehicleProgress, stream
 from wayline_eta.timetable_answers import (
     RouteSummaries,
     RouteSummary,
@@ -31,6 +45,8 @@ from wayline_eta.timetable_answers import (
 )
 
 GEO_JSON = "application/geo+json"
+NOT_KEPT = {"cache-control": "no-store", "x-accel-buffering": "no"}
+"""Neither by browsers nor, until it is full, by a proxy."""
 PUBLIC = ("/v1/routes", "/v1/trips/", "/v1/stops", "/gtfs-rt/")
 """Beginnings of the paths that riders need."""
 
@@ -41,6 +57,7 @@ def create_eta_app(
     settings: HttpSettings,
     *,
     timetables: Iterable[Timetable] = (),
+    accuracy: Accuracy | None = None,
     healthz: Callable[[], Healthz] | None = None,
     registry: CollectorRegistry | None = None,
 ) -> FastAPI:
@@ -60,6 +77,9 @@ def create_eta_app(
             VehicleList,
             ArrivalList,
             StopList,
+            AccuracyAnswer,
+            VehicleArrivals,
+            VehicleProgress,
         ),
         is_public=is_public,
     )
@@ -67,9 +87,20 @@ def create_eta_app(
     feeds = tuple(timetables)
     # lines of its own: the cores make theirs in another thread
     _add_routes(app, known_routes, TimetableAnswers(Runs(feeds)))
-    _add_vehicles(app, board)
-    _add_stops(app, board, StopDirectory(known_routes, feeds))
+    rendered = Rendered(board.clock_ns)
+    _add_vehicles(app, board, rendered)
+    _add_stops(app, board, StopDirectory(known_routes, feeds), rendered)
+    _add_stream(app, board, rendered)
+    _add_accuracy(app, accuracy or Accuracy())
+    _add_feed(app, "vehicle-positions", positions_feed(board))
+    _add_feed(app, "trip-updates", updates_feed(board))
+    # paths are tried in their order, and these are asked for far more often than all others
+    app.router.routes.sort(key=_is_asked_seldom)
     return app
+
+
+def _is_asked_seldom(route: BaseRoute) -> bool:
+    return not (isinstance(route, APIRoute) and route.path.endswith("/arrivals"))
 
 
 def is_public(path: str) -> bool:
@@ -119,13 +150,13 @@ def _geo_json() -> dict[int | str, dict[str, object]]:
     return {200: {**described[200], "content": {GEO_JSON: schema}}}
 
 
-def _add_vehicles(app: FastAPI, board: EtaBoard) -> None:
+def _add_vehicles(app: FastAPI, board: EtaBoard, rendered: Rendered) -> None:
     # coroutines: an answer takes less time than its way to another thread and back
 
     @app.get("/v1/vehicles", responses=answers(VehicleList), tags=["vehicles"])
-    async def vehicles() -> JsonAnswer:
+    async def vehicles() -> Response:
         """Every vehicle that was heard."""
-        return JsonAnswer(board.vehicles())
+        return _json(rendered.of_many("vehicles", board.vehicles))
 
     @app.get("/v1/vehicles/{vehicle_id}", responses=answers(VehicleAnswer), tags=["vehicles"])
     async def vehicle(vehicle_id: str) -> JsonAnswer:
@@ -138,12 +169,17 @@ def _add_vehicles(app: FastAPI, board: EtaBoard) -> None:
         openapi_extra=describe_parameters(ArrivalsParameters),
         tags=["arrivals"],
     )
-    async def vehicle_arrivals(vehicle_id: str, request: Request) -> JsonAnswer:
+    async def vehicle_arrivals(vehicle_id: str, request: Request) -> Response:
         """A vehicle's next arrival at every stop, soonest first."""
-        return JsonAnswer(answer_arrivals(board, vehicle_id, request.query_params))
+
+        def make() -> ArrivalList:
+            return answer_arrivals(board, vehicle_id, request.query_params)
+
+        question = vehicle_id, request.url.query
+        return _json(rendered.of_one(question, board.told_of(vehicle_id), make))
 
 
-def _add_stops(app: FastAPI, board: EtaBoard, stops: StopDirectory) -> None:
+def _add_stops(app: FastAPI, board: EtaBoard, stops: StopDirectory, rendered: Rendered) -> None:
     @app.get(
         "/v1/stops",
         responses=answers(StopList),
@@ -160,9 +196,65 @@ def _add_stops(app: FastAPI, board: EtaBoard, stops: StopDirectory) -> None:
         openapi_extra=describe_parameters(StopArrivalsParameters),
         tags=["arrivals"],
     )
-    async def stop_arrivals(stop_id: str, request: Request) -> JsonAnswer:
+    async def stop_arrivals(stop_id: str, request: Request) -> Response:
         """Every vehicle's next arrival at a stop, soonest first."""
-        if stop_id not in stops:
-            raise QueryError(404, f"no route has a stop {stop_id}; /v1/stops lists them")
-        asked = read_parameters(request.query_params, StopArrivalsParameters)
-        return JsonAnswer(board.stop_arrivals(stop_id, asked))
+
+        def make() -> ArrivalList:
+            if stop_id not in stops:
+                raise QueryError(404, f"no route has a stop {stop_id}; /v1/stops lists them")
+            asked = read_parameters(request.query_params, StopArrivalsParameters)
+            return board.stop_arrivals(stop_id, asked)
+
+        question = "stop", stop_id, request.url.query
+        return _json(rendered.of_many(question, make))
+
+
+def _add_stream(app: FastAPI, board: EtaBoard, rendered: Rendered) -> None:
+    @app.get(
+        "/v1/stream",
+        responses=_as(EventSourceResponse.media_type),
+        openapi_extra=describe_parameters(StreamParameters),
+        tags=["arrivals"],
+    )
+    async def events(request: Request) -> EventSourceResponse:
+        """Server-sent events `arrivals` and `progress`: all that is known, then what is new."""
+        asked = read_parameters(request.query_params, StreamParameters)
+        return EventSourceResponse(stream(Reader(board, rendered, asked)), headers=NOT_KEPT)
+
+
+def _as(*media_types: str) -> dict[int | str, dict[str, Any]]:
+    """The `responses` of a path whose answers are no JSON of ours."""
+    return {200: {"description": "Success", "content": {each: {} for each in media_types}}}
+
+
+def _json(body: bytes) -> Response:
+    return Response(body, media_type=JsonAnswer.media_type)
+
+
+def _add_accuracy(app: FastAPI, accuracy: Accuracy) -> None:
+    # no coroutine: many routes and days take a while to add up
+
+    @app.get(
+        "/v1/accuracy",
+        responses=answers(AccuracyAnswer),
+        openapi_extra=describe_parameters(AccuracyParameters),
+        tags=["accuracy"],
+    )
+    def accuracy_answer(request: Request) -> JsonAnswer:
+        """How good predictions were, by minutes ahead: once a minute, against what came."""
+        asked = read_parameters(request.query_params, AccuracyParameters)
+        return JsonAnswer(accuracy.answer(asked))
+
+
+def _add_feed(app: FastAPI, name: str, feed: RealtimeFeed) -> None:
+    @app.get(
+        f"/gtfs-rt/{name}",
+        responses=_as(*MEDIA_TYPES.values()),
+        openapi_extra=describe_parameters(FeedParameters),
+        tags=["gtfs-realtime"],
+        name=name,
+    )
+    def realtime_feed(request: Request) -> Response:
+        """GTFS-Realtime 2.0, as protobuf or as JSON; made anew once a second."""
+        asked = read_parameters(request.query_params, FeedParameters)
+        return Response(feed.bytes_of(asked.format), media_type=MEDIA_TYPES[asked.format])

@@ -70,12 +70,12 @@ class EtaBoard:
     reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose, GpsFix})
 
     def __init__(self, clock_ns: Clock = time.monotonic_ns) -> None:
-        self._clock_ns = clock_ns
+        self.clock_ns = clock_ns
         self._lock = threading.Lock()
         self._vehicles: dict[str, Known] = {}
 
     def put(self, vehicle_id: str, message: Message, source: str, receipt: Receipt) -> None:
-        """Take a message of a vehicle: Pose, GpsFix, Progress or Arrivals; others are ignored."""
+        """Take a message of a vehicle; those that `Known` does not keep are ignored."""
         with self._lock:
             known = self._vehicles.get(vehicle_id, Known())
             now = known.with_message(message, source, receipt)
@@ -99,7 +99,7 @@ class EtaBoard:
 
     def vehicles(self) -> VehicleList:
         """All vehicles by id."""
-        vehicles, now_ns = self._look_at_all()
+        vehicles, now_ns = self.look_at_all()
         answers = (vehicle_answer(name, vehicles[name], now_ns) for name in sorted(vehicles))
         return VehicleList(tuple(answers))
 
@@ -111,11 +111,18 @@ class EtaBoard:
         known, now_ns = self._look(vehicle_id)
         return soonest_first(arrival_answers(vehicle_id, known, now_ns, stop_id))
 
+    def told_of(self, vehicle_id: str) -> tuple[int, int] | None:
+        """What a vehicle's arrivals rest on now: their instant, and that of their receipt."""
+        with self._lock:
+            known = self._vehicles.get(vehicle_id, Known())
+        told = known.arrivals
+        return None if told is None else (told.message.t_ns, told.receipt.at_ns)
+
     def stop_arrivals(
         self, stop_id: str, asked: StopArrivalsParameters = EVERYTHING
     ) -> ArrivalList:
         """The next arrival of every vehicle at a stop, soonest first."""
-        vehicles, now_ns = self._look_at_all()
+        vehicles, now_ns = self.look_at_all()
         found = [
             at
             for vehicle_id, known in vehicles.items()
@@ -126,14 +133,15 @@ class EtaBoard:
 
     def _look(self, vehicle_id: str) -> tuple[Known, int]:
         with self._lock:
-            known, now_ns = self._vehicles.get(vehicle_id), self._clock_ns()
+            known, now_ns = self._vehicles.get(vehicle_id), self.clock_ns()
         if known is None:
             raise QueryError(404, f"no vehicle {vehicle_id} was heard; /v1/vehicles lists them")
         return known, now_ns
 
-    def _look_at_all(self) -> tuple[dict[str, Known], int]:
+    def look_at_all(self) -> tuple[dict[str, Known], int]:
+        """All vehicles by id, and the instant of the receipts' clock that this is of."""
         with self._lock:
-            return dict(self._vehicles), self._clock_ns()
+            return dict(self._vehicles), self.clock_ns()
 
 
 def answer_arrivals(

@@ -15,9 +15,9 @@ from wayline_eta.arrivals import predict_visits, told_arrivals
 from wayline_eta.fix_follower import FixFollower
 from wayline_eta.forecaster import Forecaster
 from wayline_eta.lessons import Expectations, Lessons, as_planned, lessons_by
-from wayline_eta.records import Learned
 from wayline_eta.route_choice import RouteChoice
 from wayline_eta.route_follower import RouteFollower
+from wayline_eta.scoring import Scoring
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.stop_events import StopEvents, of_route
 from wayline_eta.trip_arrivals import before_the_fork
@@ -38,11 +38,16 @@ class EtaCore:
     def __init__(
         self, routes: Sequence[Route], tuning: Tuning, lessons: Lessons | None = None
     ) -> None:
+        lessons = lessons or lessons_by(())
         self._sightings = Sightings(tuning)
-        self._on_routes = OnRoutes(routes, tuning, self._sightings, lessons or lessons_by(()))
+        self._on_routes = OnRoutes(routes, tuning, self._sightings, lessons)
+        self._scoring = Scoring(lessons.scored)
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
-        """Take a pose, a fix or a tick; anything else is not read."""
+        """Take a pose, a fix, a tick or the end; anything else is not read."""
+        return self._scoring.add_to(self._say(message, source), message)
+
+    def _say(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         if isinstance(message, GpsFix):
             self._sightings.take_fix(message, source)
         elif isinstance(message, Pose):
@@ -127,7 +132,7 @@ class OnRoutes:
             if sighting.reported:
                 self._follow(sighting)
 
-    def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
+    def learn(self, happened: Sequence[StopEvent]) -> Sequence[Record]:
         """What the vehicle has taught by what it did at the stops of its route, once it is sure."""
         current = self._choice.current
         if current is None or self._choice.rivals:

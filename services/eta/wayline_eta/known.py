@@ -4,7 +4,7 @@ from typing import Generic, TypeVar
 
 import msgspec
 
-from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, stale_after_s
+from wayline.messages import Arrivals, GpsFix, Message, Pose, Progress, StopEvent, stale_after_s
 from wayline.view import Receipt
 
 M = TypeVar("M", bound=Message)
@@ -33,6 +33,9 @@ class Known(msgspec.Struct, frozen=True, kw_only=True):
     fix: Heard[GpsFix] | None = None
     progress: Heard[Progress] | None = None
     arrivals: Heard[Arrivals] | None = None
+    stop_events: tuple[StopEvent, ...] = ()
+    """Of the trip under way, the stops that were left out and the last one that something
+    happened at."""
 
     def with_message(self, message: Message, source: str, receipt: Receipt) -> "Known":
         """What is known once a message has been received; others change nothing."""
@@ -45,7 +48,13 @@ class Known(msgspec.Struct, frozen=True, kw_only=True):
                 return msgspec.structs.replace(self, progress=Heard(message, source, receipt))
             case Arrivals():
                 return msgspec.structs.replace(self, arrivals=Heard(message, source, receipt))
+            case StopEvent():
+                return msgspec.structs.replace(self, stop_events=self._happened(message))
         return self
+
+    def _happened(self, event: StopEvent) -> tuple[StopEvent, ...]:
+        kept = [each for each in self.stop_events if each.trip_id == event.trip_id]
+        return (*(each for each in kept if each.kind == "skipped"), event)
 
     def position(self, now_ns: int) -> Heard[Pose] | Heard[GpsFix] | None:
         """The pose; a fix where fusion is silent and the fix is the newer one."""

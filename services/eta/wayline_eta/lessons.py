@@ -1,7 +1,7 @@
 """Pure: what all vehicles of a process have learned, and what it says of one route."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
@@ -14,17 +14,24 @@ from wayline.timetable.model import Timetable
 from wayline_eta.experience import Expected, Experience
 from wayline_eta.legs import Legs
 from wayline_eta.ranges import Ranges
-from wayline_eta.records import Came, Learned, Taken
+from wayline_eta.records import Came, Learned, Scored, ScoredDay, Taken
 
 Floats = NDArray[np.float64]
+TakeScores = Callable[[Scored | ScoredDay], None]
 
 
 class Lessons:
-    """Travel and dwell times, and how forecasts came. `is_timetable` says whose times plans are."""
+    """Travel and dwell times, and how forecasts came. `is_timetable` says whose times plans are.
 
-    def __init__(self, zone: ZoneInfo, *, is_timetable: bool) -> None:
+    How good predictions were teaches nothing here; `scored` is told of it.
+    """
+
+    def __init__(self, zone: ZoneInfo, *, is_timetable: bool, scored: TakeScores) -> None:
         self.experience = Experience(zone, is_timetable=is_timetable)
         self._ranges: dict[str, Ranges] = {}
+        self.scored = scored
+        self.taught = 0
+        """How often somebody has taught: as long as it is the same, so is what they know."""
 
     def ranges_of(self, plan: str) -> Ranges:
         """Of the forecasts on one plan's legs."""
@@ -32,16 +39,20 @@ class Lessons:
 
     def learn(self, learned: Learned) -> None:
         """Take what a vehicle has just taught."""
+        self.taught += 1
         self.experience.learn(learned.taken)
         for came in learned.came:
             self.ranges_of(came.plan).learn(came.span, came.off)
 
     def remember(self, kept: msgspec.Struct) -> None:
         """Take what a database has kept; it says nothing of the traffic now."""
+        self.taught += 1
         if isinstance(kept, Taken):
             self.experience.learn(kept, is_now=False)
         elif isinstance(kept, Came):
             self.ranges_of(kept.plan).learn(kept.span, kept.off)
+        elif isinstance(kept, ScoredDay):
+            self.scored(kept)
 
 
 class Expectations(NamedTuple):
@@ -114,7 +125,7 @@ def as_planned(route: Route, leaves_ns: Floats | None = None) -> Expectations:
     return expectations(lessons_by(()), legs, route.route_id, 0)
 
 
-def lessons_by(timetables: Sequence[Timetable]) -> Lessons:
+def lessons_by(timetables: Sequence[Timetable], scored: TakeScores = lambda _: None) -> Lessons:
     """Empty ones: of days as the first timetable has them; of routes, of UTC's."""
     zone = ZoneInfo(timetables[0].timezone) if timetables else ZoneInfo("UTC")
-    return Lessons(zone, is_timetable=bool(timetables))
+    return Lessons(zone, is_timetable=bool(timetables), scored=scored)

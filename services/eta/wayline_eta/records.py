@@ -3,6 +3,11 @@
 import msgspec
 
 from wayline.core import Record
+from wayline_eta.scores import Sums
+
+DAY_NS = 86_400_000_000_000
+SCORED_DAYS_MAX = 90
+"""So long scores are kept, before the newest."""
 
 
 class Taken(msgspec.Struct, frozen=True):
@@ -40,3 +45,26 @@ class Learned(Record, frozen=True, kw_only=True):
 
     taken: Taken
     came: tuple[Came, ...] = ()
+
+
+class Scored(Record, frozen=True, kw_only=True):
+    """How good a vehicle's predictions on one route were whose arrivals came within a minute."""
+
+    t_ns: int
+    """The minute's end; it names the minute."""
+    route_id: str
+    sums: Sums
+
+
+class ScoredDay(msgspec.Struct, frozen=True):
+    """How good all vehicles' predictions on one route were on one day."""
+
+    day: int
+    """Since 1970, UTC."""
+    route_id: str
+    sums: Sums
+
+
+def day_of(t_ns: int) -> int:
+    """Days since 1970, UTC."""
+    return t_ns // DAY_NS

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import msgspec
 import sqlalchemy as sa
-from sqlalchemy.dialects import postgresql, sqlite
 
 from wayline.core import Record
 from wayline.database import write_transaction
-from wayline_eta.records import Came, Learned, Taken
+from wayline_eta.records import Came, Learned, Scored, Taken
+from wayline_eta.score_store import add_scored, delete_old_scores, new_row, scored_days
 from wayline_eta.tables import CAME, TAKEN
 
 DAY_NS = 86_400 * 1_000_000_000
@@ -34,29 +34,29 @@ class EtaTables:
         self._saved = 0
 
     def save(self, vehicle_id: str, record: Record) -> Sequence[msgspec.Struct]:
-        """Keep what was learned; there is no answer."""
-        if not isinstance(record, Learned):
-            raise TypeError(f"eta keeps no {type(record).__name__}")
+        """Keep what was learned; of scores the whole day's are answered."""
+        known: list[msgspec.Struct] = []
         with write_transaction(self._engine) as connection:
-            taken = {"vehicle_id": vehicle_id, **msgspec.structs.asdict(record.taken)}
-            connection.execute(_new(connection, TAKEN), taken)
-            if record.came:
-                rows = [
-                    {"vehicle_id": vehicle_id, **msgspec.structs.asdict(each)}
-                    for each in record.came
-                ]
-                connection.execute(_new(connection, CAME), rows)
+            match record:
+                case Learned():
+                    _add_learned(connection, vehicle_id, record)
+                case Scored():
+                    known = [add_scored(connection, vehicle_id, record)]
+                case _:
+                    raise TypeError(f"eta keeps no {type(record).__name__}")
         self._saved += 1
         if self._saved % PRUNED_EVERY == 0:
             self._delete_old()
-        return ()
+        return known
 
     def look(self) -> Sequence[msgspec.Struct]:
         """Everything that is kept, oldest first, once."""
         if self._is_told:
             return ()
         self._delete_old()
-        found = [*self._taken(), *self._came()]
+        with self._engine.connect() as connection:
+            scored = scored_days(connection)
+        found = [*self._taken(), *self._came(), *scored]
         self._is_told = True
         return found
 
@@ -67,6 +67,7 @@ class EtaTables:
                 if newest_ns is not None:
                     old = time < newest_ns - KEPT_NS[table]
                     connection.execute(sa.delete(table).where(old))
+            delete_old_scores(connection)
 
     def _taken(self) -> list[Taken]:
         number = sa.func.row_number().over(
@@ -97,12 +98,13 @@ class EtaStore:
         self._tables, self._vehicle_id = tables, vehicle_id
 
     def save(self, record: Record) -> Sequence[msgspec.Struct]:
-        """Keep what was learned; there is no answer."""
+        """Keep what was learned; of scores the whole day's are answered."""
         return self._tables.save(self._vehicle_id, record)
 
 
-def _new(connection: sa.Connection, table: sa.Table) -> sa.Insert:
-    """Rows that are there already stay as they are."""
-    is_sqlite = connection.dialect.name == "sqlite"
-    insert = sqlite.insert(table) if is_sqlite else postgresql.insert(table)
-    return insert.on_conflict_do_nothing()
+def _add_learned(connection: sa.Connection, vehicle_id: str, learned: Learned) -> None:
+    taken = {"vehicle_id": vehicle_id, **msgspec.structs.asdict(learned.taken)}
+    connection.execute(new_row(connection, TAKEN), taken)
+    if learned.came:
+        rows = [{"vehicle_id": vehicle_id, **msgspec.structs.asdict(each)} for each in learned.came]
+        connection.execute(new_row(connection, CAME), rows)

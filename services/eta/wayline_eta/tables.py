@@ -1,4 +1,4 @@
-"""Pure: the tables of the eta database: what vehicles took, and how forecasts came."""
+"""Pure: the tables of the eta database: what vehicles took, how forecasts came and were."""
 
 import sqlalchemy as sa
 
@@ -33,3 +33,23 @@ CAME = sa.Table(
     sa.Column("off", sa.Float, nullable=False),
     sa.Index("eta_came_made_ns", "made_ns"),
 )
+
+SCORED_DAYS = sa.Table(
+    "eta_scored_days",
+    METADATA,
+    sa.Column("route_id", sa.Text, primary_key=True),
+    # since 1970, UTC
+    sa.Column("day", sa.Integer, primary_key=True),
+    # `scores.Sums` as JSON
+    sa.Column("sums", sa.LargeBinary, nullable=False),
+)
+
+SCORED_MINUTES = sa.Table(
+    "eta_scored_minutes",
+    METADATA,
+    sa.Column("vehicle_id", sa.Text, primary_key=True),
+    sa.Column("t_ns", sa.BigInteger, primary_key=True),
+    sa.Column("route_id", sa.Text, primary_key=True),
+    sa.Index("eta_scored_minutes_t_ns", "t_ns"),
+)
+"""What the days' sums hold already, so that a drive that is replayed twice counts once."""

@@ -1,6 +1,6 @@
 """Pure: poses of one vehicle into progress and arrivals on the trip of a timetable that it runs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import ClassVar, NamedTuple
 
 import msgspec
@@ -26,6 +26,7 @@ from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.forecaster import Forecaster
 from wayline_eta.lessons import Lessons, lessons_by
 from wayline_eta.records import Learned
+from wayline_eta.scoring import Scoring
 from wayline_eta.sightings import Sighting, Sightings
 from wayline_eta.stop_events import StopEvents
 from wayline_eta.trip_choice import TripChoice
@@ -76,6 +77,7 @@ class TimetableEtaCore:
         lessons: Lessons | None = None,
     ) -> None:
         self._lessons = lessons or lessons_by(runs.feeds)
+        self._scoring = Scoring(self._lessons.scored)
         self._following: dict[RunKey, Following] = {}
         """Of the block's next trip, once it is told of."""
         self._forecaster: Forecaster | None = None
@@ -90,7 +92,10 @@ class TimetableEtaCore:
         """Whether it has been told that the pose is old."""
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
-        """Take a pose, a report with an assignment or a tick; anything else is not read."""
+        """Take a pose, a report with an assignment, a tick or the end; nothing else is read."""
+        return self._scoring.add_to(self._say(message, source), message)
+
+    def _say(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         if isinstance(message, GpsFix):
             self._sightings.take_fix(message, source)
             self._choice.assign(message.assignment, message.t_ns)
@@ -253,7 +258,16 @@ class TimetableEtaCore:
             stale=stale,
             position_ns=position_ns,
             stops=stops,
+            runs=tuple(map(trip_arrivals.told_run, self._told_runs(current, stops))),
         )
+
+    def _told_runs(self, current: Followed, stops: tuple[StopArrival, ...]) -> Iterator[Run]:
+        """Those that stops are told of."""
+        following = self._choice.next_run
+        if self._choice.is_certain:
+            yield current.run
+        if following is not None and any(stop.trip_id is not None for stop in stops):
+            yield following
 
 
 def _key(run: Run) -> RunKey:

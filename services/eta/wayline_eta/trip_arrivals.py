@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from itertools import takewhile
 
-from wayline.messages import LIST_MAX, StopArrival
+from wayline.messages import LIST_MAX, StopArrival, TripRun
 from wayline.route import Route
+from wayline.timetable.clock_times import clock_of_seconds
 from wayline.timetable.runs import Run
 from wayline_eta.arrivals import Visit
 from wayline_eta.stands import Stand
@@ -26,6 +27,7 @@ def of_run(run: Run, visits: Sequence[Visit]) -> tuple[StopArrival, ...]:
             departure_ns=visit.departure_ns,
             scheduled_ns=_promised(run, _planned_ns(run, float(arrivals_s[visit.stop]))),
             confidence="learned" if visit.is_learned else "timetable",
+            stop_sequence=run.trip_route.sequences[visit.stop],
         )
         for visit in visits
     )
@@ -59,9 +61,23 @@ def of_next_run(
             scheduled_ns=_promised(run, _planned_ns(run, float(time_s))),
             trip_id=run.trip.trip_id,
             confidence="learned" if visit.is_learned else "timetable",
+            stop_sequence=run.trip_route.sequences[at],
         )
         found.setdefault(stop.stop_id, arrival)
     return tuple(found.values())
+
+
+def told_run(run: Run) -> TripRun:
+    """A run as it is told."""
+    direction_id = run.pattern.direction_id
+    return TripRun(
+        trip_id=run.trip.trip_id,
+        route_id=run.pattern.route_id,
+        direction_id=None if direction_id is None else 1 if direction_id else 0,
+        start_date=run.day.strftime("%Y%m%d"),
+        start_time=None if run.repeat_s is None else clock_of_seconds(run.repeat_s),
+        exact=run.is_exact,
+    )
 
 
 def _planned_ns(run: Run, time_s: float) -> int:
@@ -77,5 +93,7 @@ def before_the_fork(
     told: Sequence[StopArrival], rivals: Sequence[Route]
 ) -> tuple[StopArrival, ...]:
     """The arrivals up to the first stop that a rival line does not serve."""
+    if not rivals:
+        return tuple(told)
     served = [{stop.stop_id for stop in route.stops} for route in rivals]
     return tuple(takewhile(lambda stop: all(stop.stop_id in each for each in served), told))

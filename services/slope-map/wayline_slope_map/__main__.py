@@ -18,6 +18,7 @@ from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.queries import answer_lookahead
 from wayline_slope_map.records import RoadLearned
+from wayline_slope_map.smoothing_worker import SmoothingWorker
 from wayline_slope_map.store import SlopeTables
 from wayline_slope_map.teaching import Teaching
 
@@ -39,17 +40,17 @@ def build(settings: Settings, options: Namespace) -> Service:
             book.learn(learned.profile)
 
     where = Tables(settings.database_url, "wayline_slope_map", SlopeTables)
-    store = PatientStore(where, settings, learn)
+    store = SmoothingWorker(PatientStore(where, settings, learn))
     store.hand_over()
-    # with one route a vehicle's road is that route; else the map finds the road itself
-    if len(routes) == 1:
-        (route,) = routes
+    for route in routes:
         roads.follow(route.line, route.route_id, loop=route.loop, bin_m=settings.tuning.map_bin_m)
+    assigned = {each.vehicle_id: each.route_id for each in settings.assignment}
 
     def make_node(vehicle_id: str, source: str) -> Node:
         del source
-        core = SlopeMapCore(roads, settings.tuning, vehicle_id, settings.vehicle)
-        return Node(NAME, core, Teaching(store.of(vehicle_id), roads))
+        route_id = assigned.get(vehicle_id)
+        core = SlopeMapCore(roads, settings.tuning, vehicle_id, settings.vehicle, route_id)
+        return Node(NAME, core, Teaching(store, roads))
 
     return Service(
         NAME,

@@ -24,13 +24,17 @@ BESIDE = 1
 USUAL_WEIGHT = 0.3
 """What the road's usual square, the geometric mean of all cells, is worth beside a cell's own."""
 FEWEST_SLOPES = 200
-"""Altitudes alone tell bends too badly: each pass would take more of the hills for noise."""
+"""Altitudes alone tell single bends too badly: each pass would take more of the hills for noise."""
 BENDY_FACTOR = 2.5
 """On the curvature's std that is configured, where torque and barometer do not tell of bends both:
 crests that are cut stay cut in the map, noise averages out over the runs, and beside GPS alone a
-mass is soon whatever makes slopes calm."""
-BIAS_FACTOR_MAX = 3.0
-"""Of the std of torque's bias that is configured; one run does not tell more, nor of less."""
+mass is soon whatever makes slopes calm. Altimeters alone begin with it."""
+CALM_FACTOR = 1.0
+"""The least on that std."""
+MISSED_FACTOR = 1.1
+"""On what altimeters alone tell of bends: they take some of them for noise."""
+BIAS_FACTORS = (0.6, 3.0)
+"""On the std of torque's bias that is configured; one run does not tell of less, nor of more."""
 
 
 class Learned(NamedTuple):
@@ -57,8 +61,19 @@ def learned(travelled_m: Floats, x: Floats, P: Floats, tuning: Tuning) -> Learne
     squares = (USUAL_WEIGHT * usual + means) / (USUAL_WEIGHT + 1.0)
     bias = float(np.mean(x[:, S.TORQUE_BIAS] ** 2 + P[:, S.TORQUE_BIAS, S.TORQUE_BIAS]))
     stated = tuning.torque_bias_std_pct
-    bias_std_pct = min(max(100.0 * math.sqrt(bias), stated), BIAS_FACTOR_MAX * stated)
+    least, most = (factor * stated for factor in BIAS_FACTORS)
+    bias_std_pct = min(max(100.0 * math.sqrt(bias), least), most)
     return Learned(np.sqrt(squares)[cells], bias_std_pct)
+
+
+def calmed(travelled_m: Floats, x: Floats, P: Floats, tuning: Tuning) -> Learned:
+    """As `learned`, from altitudes alone: they tell how bendy the road is as a whole."""
+    told = x[:, S.CURVATURE] ** 2 + P[:, S.CURVATURE, S.CURVATURE]
+    steps_m = np.maximum(np.diff(travelled_m, prepend=travelled_m[0]), 0.0)
+    configured = tuning.curvature_std_pct_per_m / 100.0
+    found = math.sqrt(float(np.sum(told * steps_m)) / max(float(np.sum(steps_m)), 1e-9))
+    std = min(max(MISSED_FACTOR * found, CALM_FACTOR * configured), BENDY_FACTOR * configured)
+    return Learned(np.full(len(travelled_m), std), tuning.torque_bias_std_pct)
 
 
 def _cell_means(cells: NDArray[np.intp], values: Floats) -> Floats:

@@ -5,8 +5,11 @@ from typing import Literal
 import msgspec
 
 from wayline.core import Record
+from wayline.tuning import Tuning
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.roads import Road
+from wayline_slope_map.stretches import Stretch
+from wayline_slope_map.track import Track
 
 Sensor = Literal["fused", "gps", "barometer", "torque", "vehicle"]
 Direction = Literal[1, -1]
@@ -23,6 +26,15 @@ class RunBin(msgspec.Struct, frozen=True):
     alt_m: float | None
     """None where no altimeter told one."""
     alt_std_m: float | None
+
+
+class DrivenRun(Record, frozen=True, kw_only=True):
+    """A run has ended, over these stretches: smooth it, which takes seconds, and merge it."""
+
+    vehicle_id: str
+    track: Track
+    stretches: tuple[Stretch, ...]
+    tuning: Tuning
 
 
 class FinishedRun(Record, frozen=True, kw_only=True):

@@ -7,8 +7,9 @@ import numpy as np
 
 from wayline.line import Floats
 from wayline.tuning import Tuning
+from wayline_slope_map.altitude_lag import lag_s
 from wayline_slope_map.altitudes import Measured, barometer_altitudes, gps_altitudes
-from wayline_slope_map.records import FinishedRun, RunBin, Sensor
+from wayline_slope_map.records import DrivenRun, FinishedRun, RunBin, Sensor
 from wayline_slope_map.roads import Road
 from wayline_slope_map.slopes import NO_SLOPES, run_slopes
 from wayline_slope_map.smoothing import Sensed, Smoothed, smooth
@@ -17,26 +18,34 @@ from wayline_slope_map.track import Track
 
 NONE = np.empty(0)
 NOTHING = Measured(NONE, NONE, NONE, NONE, np.empty(0, dtype=np.intp))
+REFERENCE_STEP_M = 20.0
+"""Between the altitudes by the other sensors that a receiver's are compared with."""
 STEEPEST_PCT = 50.0
 """No road is steeper; keeps a bad run out and the sums inside 64 bits."""
 
 
-def finished_runs(
+def driven_run(
     track: Track, vehicle_id: str, roads: Mapping[str, Road], tuning: Tuning
-) -> list[FinishedRun]:
-    """The runs of a track over known and new roads, in order of time."""
-    if len(track.places) < 2:
-        return []
-    stretches = cut(track.places, roads, tuning.map_bin_m)
-    passed = [stretch.bins() for stretch in stretches]
-    if not any(indices for indices, _ in passed):
-        return []
+) -> DrivenRun | None:
+    """A finished track cut into stretches of known and new roads; None where it tells nothing."""
+    if len(track.places) < 2 or not track.tells_heights:
+        return None
+    stretches = tuple(cut(track.places, roads, tuning.map_bin_m))
+    if not any(indices for indices, _ in (stretch.bins() for stretch in stretches)):
+        return None
+    return DrivenRun(vehicle_id=vehicle_id, track=track, stretches=stretches, tuning=tuning)
+
+
+def smoothed_runs(driven: DrivenRun) -> list[FinishedRun]:
+    """What a run says of each of its stretches, in order of time."""
+    track, tuning = driven.track, driven.tuning
+    passed = [stretch.bins() for stretch in driven.stretches]
     sizes = [len(indices) for indices, _ in passed]
     travelled_m = np.concatenate([distances_m for _, distances_m in passed])
     sensors = _smoothed_by_sensor(track, travelled_m, tuning)
     ends = np.cumsum(sizes).tolist()
     runs = []
-    for stretch, (indices, _), end in zip(stretches, passed, ends, strict=True):
+    for stretch, (indices, _), end in zip(driven.stretches, passed, ends, strict=True):
         bins = [
             run_bin
             for sensor, smoothed in sensors.items()
@@ -45,7 +54,7 @@ def finished_runs(
         if bins:
             runs.append(
                 FinishedRun(
-                    vehicle_id=vehicle_id,
+                    vehicle_id=driven.vehicle_id,
                     road=stretch.road,
                     direction=1 if stretch.direction > 0 else -1,
                     start_ns=stretch.start_ns,
@@ -61,10 +70,11 @@ def _smoothed_by_sensor(
 ) -> dict[Sensor, Smoothed]:
     """The run by all sensors that are to be used, and by each alone (papers/004 eq. 5.16)."""
     used = tuning.vertical_sensors
-    gps = gps_altitudes(track, tuning) if "gps" in used else NOTHING
     barometer = barometer_altitudes(track, tuning) if "barometer" in used else NOTHING
-    times_s = track.seconds_at(travelled_m)
     slopes = run_slopes(track, tuning)
+    beside = Sensed(NOTHING, barometer, slopes["both"])
+    gps = _prompt(track, gps_altitudes(track, tuning), beside, tuning) if "gps" in used else NOTHING
+    times_s = track.seconds_at(travelled_m)
     choices: dict[Sensor, Sensed] = {
         "fused": Sensed(gps, barometer, slopes["both"]),
         "gps": Sensed(gps, NOTHING, NO_SLOPES),
@@ -78,6 +88,24 @@ def _smoothed_by_sensor(
         if smoothed is not None:
             sensors[sensor] = smoothed
     return sensors
+
+
+def _prompt(track: Track, gps: Measured, beside: Sensed, tuning: Tuning) -> Measured:
+    """Altitudes of receivers at the instants that they are of, as the other sensors tell them."""
+    travelled_m = np.arange(track.travelled_m[0], track.travelled_m[-1], REFERENCE_STEP_M)
+    smoothed = smooth(beside, track.seconds_at(travelled_m), travelled_m, tuning, passes=1)
+    if smoothed is None:
+        return gps
+    alt_m = smoothed.alt_m
+
+    def heights(times_s: Floats) -> Floats:
+        return np.interp(track.travelled_at(times_s), travelled_m, alt_m)
+
+    times_s = gps.times_s.copy()
+    for receiver in np.unique(gps.receiver):
+        its = gps.receiver == receiver
+        times_s[its] -= lag_s(gps.times_s[its], gps.alt_m[its], heights)
+    return gps._replace(times_s=times_s, travelled_m=track.travelled_at(times_s))
 
 
 def _bins(

@@ -72,7 +72,9 @@ class _Nodes(NamedTuple):
     """For every node the index of what is asked there, -1 where nothing is."""
 
 
-def smooth(sensed: Sensed, times_s: Floats, travelled_m: Floats, tuning: Tuning) -> Smoothed | None:
+def smooth(
+    sensed: Sensed, times_s: Floats, travelled_m: Floats, tuning: Tuning, passes: int = PASSES
+) -> Smoothed | None:
     """Smoothed values where asked for, shape (n,); None with fewer than two measurements.
 
     The k-th value is asked for at `travelled_m[k]`, reached at `times_s[k]`, in any order. What a
@@ -86,9 +88,10 @@ def smooth(sensed: Sensed, times_s: Floats, travelled_m: Floats, tuning: Tuning)
     is_learned = len(sensed.slopes.share) >= bends.FEWEST_SLOPES
     is_told = is_learned and len(sensed.barometer.alt_m) > 0
     start = bends.first(len(nodes.times_s), tuning, is_told=is_told)
+    learn = bends.learned if is_learned else bends.calmed
     x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)
-    for _ in range(PASSES - 1 if is_learned else 0):
-        start = bends.learned(nodes.travelled_m, x, P, tuning)
+    for _ in range(passes - 1):
+        start = learn(nodes.travelled_m, x, P, tuning)
         x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)
     at = nodes.asked >= 0
     order = np.argsort(nodes.asked[at])

@@ -13,8 +13,9 @@ from wayline.database import write_transaction
 from wayline_slope_map.judging import Grades, Judgement, judged
 from wayline_slope_map.kept_run import kept, unkept
 from wayline_slope_map.profile import RoadProfile
-from wayline_slope_map.records import FinishedRun, RoadLearned, RunBin
+from wayline_slope_map.records import DrivenRun, FinishedRun, RoadLearned, RunBin
 from wayline_slope_map.roads import Road
+from wayline_slope_map.run import smoothed_runs
 from wayline_slope_map.sums import BinEstimate, BinSums, estimate, run_sums, without
 from wayline_slope_map.tables import LEDGER, ROADS, SUMS
 
@@ -29,11 +30,13 @@ class SlopeStore:
         self._engine = engine
 
     def save(self, record: Record) -> Sequence[RoadLearned]:
-        """Merge a finished run; answers with its road as it is now known.
+        """Merge a finished run, or what a driven one comes to; answers with the roads as now known.
 
         A run that the ledger holds already, or one that overlaps in time with a run of the same
         vehicle, road and direction, changes nothing and has no answer.
         """
+        if isinstance(record, DrivenRun):
+            return [learned for run in smoothed_runs(record) for learned in self.save(run)]
         if not isinstance(record, FinishedRun):
             raise TypeError(f"the slope map keeps no {type(record).__name__}")
         with write_transaction(self._engine) as connection:

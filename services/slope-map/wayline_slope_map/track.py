@@ -70,6 +70,11 @@ class Track:
             self.travelled_m.append(travelled_m)
 
     @property
+    def tells_heights(self) -> bool:
+        """Whether anything was measured of the height."""
+        return any((self.altitudes, self.pressures, self.pushes, self.own_slopes))
+
+    @property
     def start_ns(self) -> int:
         """When the run began; times in seconds count from here."""
         return self.times_ns[0]

@@ -1,5 +1,6 @@
 """Pure: the trips of some feeds as they are run: on a day, from an instant to an instant."""
 
+import datetime as dt
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import NamedTuple
@@ -34,6 +35,10 @@ class Run(NamedTuple):
     starts_ns: int
     """Of the plan's zero."""
     trip_route: TripRoute
+    day: dt.date
+    """The service day."""
+    repeat_s: int | None = None
+    """Of a trip that is repeated: when this time begins, by the timetable's clock."""
     is_exact: bool = True
     """Whether it is promised at its times; else only the time between two vehicles is."""
 
@@ -190,7 +195,10 @@ class Runs:
                 starts_ns = instant_ns(day, start_s, zone)
                 if abs(t_ns - starts_ns) <= LONGEST_TRIP_S * SECOND_NS:
                     route = self._route(routes, place, trip)
-                    yield Run(place, routes.pattern, trip, starts_ns, route, is_exact)
+                    repeat_s = start_s if self._is_repeated(feed, trip) else None
+                    yield Run(
+                        place, routes.pattern, trip, starts_ns, route, day, repeat_s, is_exact
+                    )
 
     def _starts(self, feed: int, trip: Trip) -> Iterator[tuple[int, bool]]:
         """When a trip begins on its days, and whether that is promised."""
@@ -201,6 +209,9 @@ class Runs:
         for each in repeats:
             for start_s in range(each.start_s, each.end_s, each.headway_s):
                 yield start_s, each.exact
+
+    def _is_repeated(self, feed: int, trip: Trip) -> bool:
+        return (feed, trip.trip_id) in self._repeats
 
     def _route(self, routes: PatternRoutes, place: PatternPlace, trip: Trip) -> TripRoute:
         key = (place, trip.timing)

@@ -4,7 +4,8 @@ import pytest
 
 from unit.eta.route_drives import SECOND_NS, START_NS
 from wayline.messages import Arrivals, StopArrival, StopEvent, StopEventKind
-from wayline_evaluation.eta import EtaRun, Prediction, pooled, predictions_of, scored
+from wayline_eta.scores import Prediction
+from wayline_evaluation.eta import EtaRun, pooled, predictions_of, scored
 
 
 def came(seconds: float, stop_id: str, kind: StopEventKind = "passed") -> StopEvent:

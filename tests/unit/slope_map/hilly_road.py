@@ -14,7 +14,8 @@ from wayline.tuning import Tuning
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.profile import RoadProfile
-from wayline_slope_map.records import FinishedRun
+from wayline_slope_map.records import DrivenRun, FinishedRun
+from wayline_slope_map.run import smoothed_runs
 
 Floats = NDArray[np.float64]
 
@@ -63,12 +64,13 @@ def drive(
     barometer: bool = True,
     barometer_step_pa: float = 5.0,
     gps_std_m: float = 4.0,
+    gps_lag_s: float = 0.0,
 ) -> list[msgspec.Struct]:
     """Messages as slope-map hears them, in order of arrival; fixes come 0.3 s late.
 
     The GPS altitude errs by a Gauss-Markov process (80 s) and 0.3 m white, the barometer by an
     offset, a random walk and 0.4 m white. `grade_of` maps the distance along the path to the
-    one that the altitude is taken at (for a ring).
+    one that the altitude is taken at (for a ring). GPS altitudes are the road's of `gps_lag_s` ago.
     """
     rng = np.random.default_rng(seed)
     times_s = np.arange(0.0, length_m / speed_mps, 0.1)
@@ -77,7 +79,8 @@ def drive(
     lat_deg, lon_deg, heading_deg = _placed(path, along_m, backwards=backwards)
     wander_m = rng.normal(0.0, 1.0, 2) * (0.2, 0.2)
     alt_m = true_alt_m(grade_of(along_m))
-    gps_m = alt_m[::10] + _gauss_markov(rng, len(times_s[::10]), gps_std_m, 80.0)
+    late_m = np.interp(times_s - gps_lag_s, times_s, alt_m)
+    gps_m = late_m[::10] + _gauss_markov(rng, len(times_s[::10]), gps_std_m, 80.0)
     gps_m += rng.normal(0.0, 0.3, len(gps_m))
     pressure_pa = _pressures_pa(rng, alt_m[::10], barometer_step_pa)
     messages: list[msgspec.Struct] = []
@@ -125,10 +128,15 @@ def core(
     return SlopeMapCore(roads, tuning, "car")
 
 
-def runs_of(core: SlopeMapCore, messages: Sequence[msgspec.Struct]) -> list[FinishedRun]:
-    """The finished runs that a core makes of messages."""
+def driven_of(core: SlopeMapCore, messages: Sequence[msgspec.Struct]) -> list[DrivenRun]:
+    """The driven runs that a core makes of messages."""
     outputs = [output for message in messages for output in core.handle(message, "test")]
-    return [output for output in outputs if isinstance(output, FinishedRun)]
+    return [output for output in outputs if isinstance(output, DrivenRun)]
+
+
+def runs_of(core: SlopeMapCore, messages: Sequence[msgspec.Struct]) -> list[FinishedRun]:
+    """What a core's driven runs come to."""
+    return [run for driven in driven_of(core, messages) for run in smoothed_runs(driven)]
 
 
 def _placed(

@@ -6,7 +6,7 @@ import pytest
 from wayline.line import Floats
 from wayline.tuning import Tuning
 from wayline.vertical.states import VerticalStates
-from wayline_slope_map.bends import CELL_M, Learned, learned
+from wayline_slope_map.bends import BENDY_FACTOR, CELL_M, Learned, calmed, learned
 
 S = VerticalStates
 COUNT, SIZE = 400, S.GPS_ERROR + 1
@@ -28,11 +28,22 @@ def test_a_vertical_curve_is_bendier_than_the_slopes_beside_it() -> None:
     assert std[far].max() < 0.1 * std[in_curve].max()
 
 
+@pytest.mark.parametrize(("factor", "found"), [(0.2, 1.0), (1.4, 1.1 * 1.4), (9.0, BENDY_FACTOR)])
+def test_altitudes_tell_how_bendy_a_road_is_as_a_whole_within_bounds(
+    factor: float, found: float
+) -> None:
+    configured = Tuning().curvature_std_pct_per_m / 100.0
+    x, P = np.zeros((COUNT, SIZE)), np.zeros((COUNT, SIZE, SIZE))
+    x[:, S.CURVATURE] = factor * configured
+    std = calmed(TRAVELLED_M, x, P, Tuning()).curvature_std
+    assert std == pytest.approx(np.full(COUNT, found * configured))
+
+
 def test_what_is_not_known_of_the_curvature_counts_as_bends() -> None:
     assert after(np.zeros(COUNT), std=2e-4).curvature_std == pytest.approx(np.full(COUNT, 2e-4))
 
 
-def test_torque_that_is_biased_more_than_configured_is_trusted_less_within_bounds() -> None:
+def test_torque_is_trusted_by_how_far_a_run_finds_it_biased_within_bounds() -> None:
     stated = Tuning().torque_bias_std_pct
     found = [after(np.zeros(COUNT), bias=bias).torque_bias_std_pct for bias in (0.0, 6e-3, 0.5)]
-    assert found == pytest.approx([stated, 0.6, 3.0 * stated])
+    assert found == pytest.approx([0.6 * stated, 0.6, 3.0 * stated])

@@ -5,12 +5,13 @@ from collections.abc import Sequence
 import msgspec
 import pytest
 
-from unit.slope_map.test_store import ROAD, run
+from unit.slope_map.hilly_road import core, drive, driven_of
+from unit.slope_map.test_store import ROAD
 from wayline.core import Record
 from wayline.errors import InputError
 from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.profile import RoadProfile
-from wayline_slope_map.records import RoadLearned
+from wayline_slope_map.records import DrivenRun, RoadLearned
 from wayline_slope_map.roads import Road
 from wayline_slope_map.teaching import Teaching
 
@@ -26,17 +27,22 @@ class Waiting:
         return ()
 
 
-def test_a_new_road_is_known_before_its_run_is_kept() -> None:
+@pytest.fixture(scope="module")
+def driven() -> DrivenRun:
+    (run,) = driven_of(core(), drive(seed=1, length_m=1_500.0))
+    return run
+
+
+def test_a_new_road_is_known_before_its_run_is_kept(driven: DrivenRun) -> None:
     store, roads = Waiting(), KnownRoads()
-    teaching = Teaching(store, roads)
-    answers = teaching.save(run(0))
-    assert answers == [RoadLearned(RoadProfile(ROAD, {}))]
-    assert store.records == [run(0)]
+    (answer,) = Teaching(store, roads).save(driven)
+    assert answer == RoadLearned(RoadProfile(driven.stretches[0].road, {}))
+    assert store.records == [driven]
 
 
-def test_a_known_road_keeps_its_slopes_until_the_run_is_kept() -> None:
-    roads = KnownRoads([RoadProfile(ROAD, {})])
-    assert list(Teaching(Waiting(), roads).save(run(1))) == []
+def test_a_known_road_keeps_its_slopes_until_the_run_is_kept(driven: DrivenRun) -> None:
+    roads = KnownRoads([RoadProfile(driven.stretches[0].road, {})])
+    assert list(Teaching(Waiting(), roads).save(driven)) == []
 
 
 def test_a_route_that_was_followed_before_the_database_came_must_be_the_one_it_knows() -> None:

@@ -33,6 +33,19 @@ export function countdown(seconds: number): string {
   return minutes < 60 ? `in ${minutes} min` : `in ${hoursAndMinutes(minutes)}`;
 }
 
+/** "(3–6)" beside a countdown, in its minutes; "(20–70 s)" where the end is near. */
+export function countdownRange(earlySeconds: number, lateSeconds: number): string {
+  if (lateSeconds < 90) {
+    const [early, late] = [earlySeconds, lateSeconds].map((seconds) =>
+      Math.max(0, Math.round(seconds / 5) * 5),
+    );
+    return `(${early}–${late} s)`;
+  }
+  // the narrow way would promise more than is known
+  const [early, late] = [Math.floor(earlySeconds / 60), Math.ceil(lateSeconds / 60)];
+  return `(${Math.max(0, early)}–${late})`;
+}
+
 /** "on time", "4 min late", "2 min early": by the timetable. */
 export function lateness(seconds: number): string {
   const minutes = Math.round(Math.abs(seconds) / 60);

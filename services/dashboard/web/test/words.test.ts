@@ -4,6 +4,7 @@ import {
   accuracy,
   compassPoint,
   countdown,
+  countdownRange,
   duration,
   heading,
   lateness,
@@ -24,6 +25,17 @@ describe("countdown", () => {
     [3600, "in 1 h"],
     [3900, "in 1 h 5 min"],
   ])("%d s is %s", (seconds, text) => expect(countdown(seconds)).toBe(text));
+});
+
+describe("what a countdown may be off by", () => {
+  test.each([
+    [200, 350, "(3–6)"],
+    [181, 239, "(3–4)"],
+    [50, 130, "(0–3)"],
+    [18, 71, "(20–70 s)"],
+    [-20, 12, "(0–10 s)"],
+    [3500, 4000, "(58–67)"],
+  ])("%d to %d s is %s", (early, late, text) => expect(countdownRange(early, late)).toBe(text));
 });
 
 describe("lateness", () => {

@@ -7,7 +7,7 @@ import { vehicleNowMs } from "../clock";
 import type { Now } from "../clock";
 import type { Vehicle } from "../fleet";
 import type { Stop } from "../view";
-import { clockRange, clockTime, countdown, lateness, length } from "../words";
+import { clockRange, clockTime, countdown, countdownRange, lateness, length } from "../words";
 import { routeNote } from "./positioning";
 
 /** They come every second; the eta service says itself when the position is old, if it can. */
@@ -71,11 +71,14 @@ function stopRow(stop: Stop, vehicleNow: number): TemplateResult {
   return html`
     <li>
       <span class="stop-name">${stop.name}</span>
-      <strong class="countdown">${countdown((arrival - vehicleNow) / 1000)}</strong>
-      <span class="stop-distance">${length(stop.distance_m)} ahead</span>
-      <span class="range" title="The vehicle arrives between these with a probability of 80 %">
-        ${clockRange(early, late)}
+      <span class="when">
+        <strong class="countdown">${countdown((arrival - vehicleNow) / 1000)}</strong>
+        <span class="range" title="${clockRange(early, late)} with a probability of 80 %">
+          ${countdownRange((early - vehicleNow) / 1000, (late - vehicleNow) / 1000)}
+        </span>
       </span>
+      <span class="stop-distance">${length(stop.distance_m)} ahead</span>
+      <span class="clock">${clockTime(arrival)}</span>
       ${timetable(stop)}
     </li>
   `;
