@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from wayline.messages import StopEventKind
 from wayline.route import Route
 from wayline_eta.expected_motion import ExpectedMotion
+from wayline_eta.stop_visits import stands_within_m
 
 Floats = NDArray[np.float64]
 
@@ -38,6 +39,8 @@ class Seen(NamedTuple):
     reported: bool
     stood_s: float = 0.0
     """Since it came to where it stands, as far as that is known."""
+    speed_mps: float = 0.0
+    """Where it is seen all the time."""
 
 
 class Happening(NamedTuple):
@@ -130,7 +133,7 @@ class StopLog:
         if seen.stands or seen.reported:
             return past_m > near_m or not seen.stands
         left_m = math.inf if self._route.loop else self._route.length_m - self._place_m(visit)
-        return past_m >= min(near_m, left_m)
+        return past_m >= min(stands_within_m(near_m, seen.speed_mps), left_m)
 
     def _crossings(self, last: Seen, seen: Seen) -> list[Happening]:
         """The stops whose places a vehicle has gone past since it was seen last."""

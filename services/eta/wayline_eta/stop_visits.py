@@ -53,7 +53,7 @@ class StopVisits:
         served_m, radius_m = self.served_m, self._tuning.stop_radius_m
         if total_m <= served_m:
             return served_m
-        free_m = radius_m - speed_mps**2 / (2.0 * BRAKING_MPS2)
+        free_m = stands_within_m(radius_m, speed_mps)
         if free_m <= 0.0:
             return total_m
         place_m = float(
@@ -120,6 +120,11 @@ class StopVisits:
         moving = abs(speed_mps) >= self._tuning.eta_moving_mps
         stood_at_m = total_m if self._stood_at_m is None else self._stood_at_m
         return moving or abs(total_m - stood_at_m) > self._tuning.stop_radius_m
+
+
+def stands_within_m(radius_m: float, speed_mps: float) -> float:
+    """How far behind a stop a vehicle may be that can still stand within a radius of it."""
+    return max(radius_m - speed_mps**2 / (2.0 * BRAKING_MPS2), 0.0)
 
 
 def next_visits_m(route: Route, after_m: float) -> Floats:
