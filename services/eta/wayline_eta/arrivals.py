@@ -47,6 +47,10 @@ class Outlook(NamedTuple):
     """Stops up to here have been arrived at."""
     distance_std_m: float
     stand: Stand = MOVING
+    drives: bool = False
+    """It is seen to, all the time."""
+    slower: float = 1.0
+    """What the rest of its leg takes over what is usual, by its own pace."""
 
 
 class Visit(NamedTuple):
@@ -209,15 +213,28 @@ def later_of(first: tuple[float, float], second: tuple[float, float]) -> tuple[f
     return mean_s, max(square_s2 - mean_s**2, 0.0), share
 
 
+def usual_s(by: Expectations, outlook: Outlook, from_m: float) -> float:
+    """What the way from a place to where the vehicle is usually takes, on the leg that it is on."""
+    order, _ = _stops_ahead(by.route, outlook.served_m)
+    if not len(order) or outlook.total_m <= from_m:
+        return 0.0
+    ends_s = by.route.time_at(np.array([from_m, outlook.total_m]))
+    planned_s, whole_s = float(ends_s[1] - ends_s[0]), float(by.planned_s[order[0]])
+    return planned_s * (
+        float(by.travel_s[order[0]]) / whole_s if whole_s > 0.0 else by.first_factor
+    )
+
+
 def _rest(by: Expectations, outlook: Outlook, stop: int, visit_m: float) -> tuple[float, float]:
-    """Of the leg under way, by the share of its planned time that is still to go."""
+    """Of the leg under way, by the share of its planned time that is still to go, and its pace."""
     ends_s = by.route.time_at(np.array([max(outlook.total_m, 0.0), visit_m]))
     planned_s, whole_s = max(float(ends_s[1] - ends_s[0]), 0.0), float(by.planned_s[stop])
     if whole_s <= 0.0:
         to_first_s = by.first_factor * planned_s
         return to_first_s, (UNSEEN_STD * to_first_s) ** 2
     share = min(planned_s / whole_s, 1.0)
-    return share * float(by.travel_s[stop]), share * float(by.travel_s2[stop])
+    usual_s, usual_s2 = float(by.travel_s[stop]), float(by.travel_s2[stop])
+    return outlook.slower * share * usual_s, outlook.slower**2 * share * usual_s2
 
 
 def _widths_s(ahead: Ahead, stand: Stand) -> tuple[Floats, Floats]:

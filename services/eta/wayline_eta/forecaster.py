@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 from wayline.messages import StopArrival, StopEvent
 from wayline.route import Route
 from wayline_eta import leg_times
-from wayline_eta.arrivals import NORMAL_P90, Outlook, Visit, later_of, predict_visits
+from wayline_eta.arrivals import NORMAL_P90, Outlook, Visit, later_of, predict_visits, usual_s
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.forecasts import Forecast, Forecasts
 from wayline_eta.leg_times import LegTimes
 from wayline_eta.legs import Legs
 from wayline_eta.lessons import Expectations, Lessons, expectations
+from wayline_eta.own_pace import OwnPace
 from wayline_eta.records import Came, Learned, Taken
 from wayline_eta.stands import Stand, goes_on
 
@@ -44,7 +45,9 @@ class Forecaster:
     ) -> None:
         self._legs, self._lessons, self._plan = Legs(route, scope, leaves_ns), lessons, plan
         self._times = LegTimes(self._legs, list(sequences))
-        self._forecasts = Forecasts()
+        self._forecasts, self._pace = Forecasts(), OwnPace()
+        self._seen_m = 0.0
+        """Where the vehicle was last."""
         self._expected: Expectations | None = None
         self._renewed_ns = self._taught = 0
         """When that was reckoned, and how much had been taught by then."""
@@ -54,7 +57,11 @@ class Forecaster:
     ) -> list[Visit]:
         """The visits still to come; they are remembered until they have."""
         by = self._expectations(now_ns)
-        outlook = outlook._replace(stand=self._stand(by, outlook, motion))
+        gone_s = usual_s(by, outlook, self._seen_m)
+        self._seen_m = outlook.total_m
+        self._pace.see(gone_s, outlook.t_ns, drives=outlook.drives)
+        stand, slower = self._stand(by, outlook, motion), self._pace.slower
+        outlook = outlook._replace(stand=stand, slower=slower if outlook.drives else 1.0)
         visits = predict_visits(by, outlook, now_ns, motion)
         if self._forecasts.is_due(now_ns):
             for visit in visits:

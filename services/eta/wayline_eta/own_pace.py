@@ -7,10 +7,10 @@ is not quick on the rest: the way there has lights and corners of its own.
 
 import math
 
-HELD_S = 25.0
-"""Beyond a way that usually takes so long half of the pace is expected to last."""
-REMEMBERED_S = 240.0
-"""Of the way behind so much counts, by what it usually takes."""
+HELD_S = 30.0
+"""After driving for so long half of the pace is expected to last."""
+REMEMBERED_S = 150.0
+"""What was driven longer ago counts for little."""
 MOST = 5.0
 """Times slower than usual."""
 SEEN_S = 5.0
@@ -29,7 +29,7 @@ class OwnPace:
         since_s = (t_ns - self._seen_ns) * 1e-9
         self._seen_ns = t_ns
         if drives and 0.0 < since_s <= SEEN_S:
-            kept = math.exp(-max(usual_s, 0.0) / REMEMBERED_S)
+            kept = math.exp(-since_s / REMEMBERED_S)
             self._driven_s = kept * self._driven_s + since_s
             self._usual_s = kept * self._usual_s + max(usual_s, 0.0)
 
@@ -39,4 +39,4 @@ class OwnPace:
         if self._usual_s <= 0.0:
             return 1.0
         gone = min(max(self._driven_s / self._usual_s, 1.0), MOST)
-        return 1.0 + self._usual_s / (self._usual_s + HELD_S) * (gone - 1.0)
+        return 1.0 + self._driven_s / (self._driven_s + HELD_S) * (gone - 1.0)

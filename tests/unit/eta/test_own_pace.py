@@ -15,7 +15,7 @@ FREE_S, JAM_S = 100, 1_200
 @pytest.mark.parametrize("every_m", [400.0, 800.0, 1500.0])
 def test_a_jam_is_told_from_five_minutes_on(every_m: float) -> None:
     """At 3 m/s where 10 are planned, over several stops, to the end."""
-    stops_m = np.arange(every_m, 4_500.0, every_m)
+    stops_m = np.arange(every_m, 9_000.0, every_m)
     speeds_mps = [10.0] * FREE_S + [3.0] * JAM_S
     came_s = np.searchsorted(np.cumsum(speeds_mps), stops_m)
     told = follow(
@@ -27,7 +27,8 @@ def test_a_jam_is_told_from_five_minutes_on(every_m: float) -> None:
         stop = one.arrivals.stops[0]
         second = one.arrivals.t_ns / SECOND_NS - START_NS / SECOND_NS
         at = int(stop.stop_id[1:])
-        if at < len(came_s) and (left_s := came_s[at] - second) > 20.0:
+        left_s = came_s[at] - second
+        if left_s > 20.0 and came_s[at] < len(speeds_mps):
             errors.append(
                 (stop.arrival_ns / SECOND_NS - START_NS / SECOND_NS - came_s[at]) / left_s
             )
@@ -45,4 +46,4 @@ def test_stands_and_a_quick_start_are_no_pace() -> None:
     assert pace.slower == 1.0
     for second in range(200, 500):
         pace.see(0.5, second * SECOND_NS, drives=True)
-    assert 1.4 < pace.slower < 2.0
+    assert 1.3 < pace.slower < 2.0
