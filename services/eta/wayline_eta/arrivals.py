@@ -16,7 +16,7 @@ from wayline.messages import StopArrival
 from wayline.route import Route
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.lessons import Expectations
-from wayline_eta.ranges import MINUTES
+from wayline_eta.ranges import MINUTES, SPANS
 from wayline_eta.stands import MOVING, Stand
 from wayline_eta.stop_visits import next_visits_m
 
@@ -59,7 +59,7 @@ class Visit(NamedTuple):
     stop: int
     distance_m: float
     is_learned: bool
-    """Somebody has driven the leg there."""
+    """Somebody has driven the whole way there."""
     arrival_ns: int
     early_ns: int
     late_ns: int
@@ -111,7 +111,8 @@ def predict_visits(
         return []
     ahead = _times(by, outlook, order, visits_m, motion)
     earlier_s, later_s = _widths_s(ahead, outlook.stand)
-    span = np.searchsorted(MINUTES, ahead.arrivals_s / 60.0, side="right")
+    is_learned = np.logical_and.accumulate(by.is_driven[order])
+    span = np.searchsorted(MINUTES, ahead.arrivals_s / 60.0, side="right") + SPANS * is_learned
     told_s = np.array(
         (
             ahead.arrivals_s,
@@ -123,7 +124,7 @@ def predict_visits(
     rows = zip(
         order.tolist(),
         np.maximum(visits_m - outlook.total_m, 0.0).tolist(),
-        by.is_driven[order].tolist(),
+        is_learned.tolist(),
         *_instants_ns(outlook, now_ns, told_s).tolist(),
         *(np.array((earlier_s, later_s)) * 1e9).astype(np.int64).tolist(),
         strict=True,

@@ -66,7 +66,8 @@ class Forecaster:
         if self._forecasts.is_due(now_ns):
             for visit in visits:
                 width_ns = visit.early_width_ns, visit.late_width_ns
-                self._forecasts.make(visit.stop, Forecast(now_ns, visit.arrival_ns, *width_ns))
+                forecast = Forecast(now_ns, visit.arrival_ns, *width_ns, visit.is_learned)
+                self._forecasts.make(visit.stop, forecast)
         return visits
 
     def begins(self, comes: StopArrival, departs_ns: int, t_ns: int) -> Stand:

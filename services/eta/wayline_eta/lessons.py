@@ -76,7 +76,7 @@ class Expectations(NamedTuple):
     is_driven: NDArray[np.bool_]
     """Whether anybody has driven the leg to it."""
     early_scales: Floats
-    """Of a range's half widths, one a span of minutes ahead (`ranges`)."""
+    """Of a range's half widths, one a span of minutes ahead, planned and learned (`ranges`)."""
     late_scales: Floats
 
 

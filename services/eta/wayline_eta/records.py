@@ -35,7 +35,7 @@ class Came(msgspec.Struct, frozen=True):
     """The key of the stop."""
     plan: str
     span: int
-    """Of the minutes ahead, see `ranges`."""
+    """Of the minutes ahead, and whether it was learned, see `ranges`."""
     off: float
     """By how many half widths of its range the arrival was late; negative: early."""
 
