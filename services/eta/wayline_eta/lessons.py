@@ -14,7 +14,7 @@ from wayline.timetable.model import Timetable
 from wayline_eta.experience import Expected, Experience
 from wayline_eta.legs import Legs
 from wayline_eta.ranges import Ranges
-from wayline_eta.records import Came, Learned, Scored, ScoredDay, Taken
+from wayline_eta.records import Came, Known, Learned, Scored, ScoredDay
 
 Floats = NDArray[np.float64]
 TakeScores = Callable[[Scored | ScoredDay], None]
@@ -27,6 +27,8 @@ class Lessons:
     """
 
     def __init__(self, zone: ZoneInfo, *, is_timetable: bool, scored: TakeScores) -> None:
+        self.zone = zone
+        """Of the days that are driven alike."""
         self.experience = Experience(zone, is_timetable=is_timetable)
         self._ranges: dict[str, Ranges] = {}
         self.scored = scored
@@ -47,8 +49,8 @@ class Lessons:
     def remember(self, kept: msgspec.Struct) -> None:
         """Take what a database has kept; it says nothing of the traffic now."""
         self.taught += 1
-        if isinstance(kept, Taken):
-            self.experience.learn(kept, is_now=False)
+        if isinstance(kept, Known):
+            self.experience.recall(kept)
         elif isinstance(kept, Came):
             self.ranges_of(kept.plan).learn(kept.span, kept.off)
         elif isinstance(kept, ScoredDay):

@@ -27,6 +27,15 @@ class Taken(msgspec.Struct, frozen=True):
     """0 where it passed; of a wait how long after its time it left, negative before it."""
 
 
+class Known(msgspec.Struct, frozen=True):
+    """What all that was taken has taught of one quantity: a `Forgetful` under its key."""
+
+    key: str
+    weight: float
+    mean: float
+    square: float
+
+
 class Came(msgspec.Struct, frozen=True):
     """A forecast whose arrival has come."""
 
