@@ -1,5 +1,7 @@
 """A torque that stays the same however far the vehicle drives is none."""
 
+from collections.abc import Sequence
+
 import pytest
 
 from wayline.messages import Torque
@@ -8,7 +10,7 @@ from wayline.vertical.frozen_torque import LONGEST_M, FrozenTorque
 NOW_NS = 1_700_000_000_000_000_000
 
 
-def frozen_over(torques_nm: list[float | None], step_m: float) -> list[bool]:
+def frozen_over(torques_nm: Sequence[float | None], step_m: float) -> list[bool]:
     watch = FrozenTorque()
     return [
         watch.is_frozen(Torque(t_ns=NOW_NS + k, engine_torque_nm=torque_nm), k * step_m)
