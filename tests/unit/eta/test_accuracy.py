@@ -98,6 +98,8 @@ def test_each_minutes_prediction_is_scored_when_the_vehicle_comes() -> None:
     assert sums.spans[0].error_s == pytest.approx(20.0)
     assert (sums.on_route_s, sums.told_s) == (300, 300)
     assert scored(promises, 420.0) == Sums(), "nothing is told twice"
+    promises.happened(came(2_500.0, "b"))
+    assert scored(promises, 2_520.0).predictions == 0, "more than half an hour ahead"
 
 
 def test_a_trip_that_begins_where_nobody_saw_it_come_is_scored_by_its_departure() -> None:
