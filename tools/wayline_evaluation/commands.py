@@ -164,6 +164,30 @@ def sparse_command(
         plot_sparse(shown, plot)
 
 
+@evaluate_app.command("smoothing")
+def smoothing_command(
+    drives: Drives,
+    *,
+    fusion: Annotated[
+        int, typer.Option(min=0, help="Trips, spread evenly, that fusion is run on; it is slow.")
+    ] = 5,
+    json: Json = None,
+    plot: Plot = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Speeds, accelerations and trip distances by six smoothers, as papers/003 compares them."""
+    from wayline_evaluation.smoothing.plot import plot_smoothing
+    from wayline_evaluation.smoothing.study import shown_trip, smoothing_study
+    from wayline_evaluation.smoothing.table import smoothing_tables
+
+    check_targets(json, plot)
+    with progress("trips") as progressed:
+        report = smoothing_study(drives, fusion, jobs, progressed)
+    _tell(smoothing_tables(report), report, json)
+    if plot is not None:
+        plot_smoothing(report, *shown_trip(drives, report), plot)
+
+
 @evaluate_app.command("trips")
 def trips_command(
     drives: Drives,
