@@ -121,6 +121,14 @@ def test_what_is_told_of_the_next_lap_while_the_vehicle_stands_waits_for_it() ->
     assert scored(promises, 660.0).spans[3].error_s == pytest.approx(60.0)
 
 
+def test_what_was_told_before_the_trip_was_certain_is_scored_too() -> None:
+    promises = Promises()
+    promises.note(None, told(0.0, {"a": 100.0}))
+    promises.happened(msgspec.structs.replace(came(110.0), trip_id="t"))
+    sums = scored(promises, 120.0)
+    assert (sums.predictions, sums.ghosts) == (1, 0)
+
+
 def test_what_is_left_out_or_long_overdue_is_a_ghost() -> None:
     promises = Promises()
     promises.note(None, told(0.0, {"a": 100.0, "b": 200.0}))
