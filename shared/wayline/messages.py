@@ -352,6 +352,46 @@ class Horizon(Message, frozen=True, kw_only=True):
     points: Annotated[tuple[HorizonPoint, ...], AtMost] = ()
 
 
+class TripStop(msgspec.Struct, frozen=True, kw_only=True):
+    """Where a vehicle stood on its way."""
+
+    started_ns: TimeNs
+    dwell_s: NonNegative
+    lat_deg: LatDeg
+    lon_deg: LonDeg
+
+
+class Trip(Message, frozen=True, kw_only=True):
+    """A trip of the vehicle, from its first move to its last, told when it has ended.
+
+    A timetable's trip is another thing. Told again under its key where it went on after all.
+    """
+
+    topic: ClassVar[str] = "trip"
+    rate_hz: ClassVar[float] = 0.01
+
+    trip_key: Text
+    """Of the vehicle and the start."""
+    started_ns: TimeNs
+    ended_ns: TimeNs
+    distance_m: NonNegative
+    distance_std_m: Std
+    climb_m: NonNegative | None = None
+    """All that it went up; what the altitude's error may be counts for nothing."""
+    climb_std_m: Std | None = None
+    moving_s: NonNegative
+    max_speed_mps: Speed
+    start_lat_deg: LatDeg | None = None
+    start_lon_deg: LonDeg | None = None
+    end_lat_deg: LatDeg | None = None
+    end_lon_deg: LonDeg | None = None
+    rejected: Count = 0
+    """Measurements that were refused."""
+    outage_s: NonNegative = 0.0
+    """Without accepted fixes."""
+    stops: Annotated[tuple[TripStop, ...], AtMost] = ()
+
+
 class Missing(msgspec.Struct, frozen=True, kw_only=True):
     """Something that a service works with and lacks."""
 
@@ -402,6 +442,7 @@ MESSAGES: tuple[type[Message], ...] = (
     Arrivals,
     StopEvent,
     Horizon,
+    Trip,
     Health,
 )
 TOPICS: dict[str, type[Message]] = {message.topic: message for message in MESSAGES}

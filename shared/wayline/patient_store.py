@@ -1,11 +1,12 @@
 """A store that a service can do without for a while: its disk may be full, its server away."""
 
+import itertools
 import logging
 import queue
 import threading
 import time
 from collections.abc import Callable, Sequence
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import msgspec
 import sqlalchemy as sa
@@ -14,7 +15,7 @@ from wayline.core import Record
 from wayline.database import DatabaseAwayError, open_database, said
 from wayline.errors import InputError
 from wayline.settings import Settings
-from wayline.spool import Spool, Waiting
+from wayline.spool import CAPACITY, Spool, Waiting
 
 FIRST_PAUSE_S = 0.2
 ANSWER_S = 2.0
@@ -24,6 +25,8 @@ SLOW_S = 3.0
 CLOSE_S = 3.0
 """What the end of the process waits for the last writes; supervisors kill after five seconds."""
 WHAT_MAX = 140
+BATCH = 500
+"""Records that are kept together, where the tables can do that."""
 
 log = logging.getLogger("wayline")
 
@@ -37,6 +40,15 @@ class Kept(Protocol):
 
     def look(self) -> Sequence[msgspec.Struct]:
         """What is there and was not told yet: first all, then what other processes wrote."""
+        ...
+
+
+@runtime_checkable
+class KeptInBatches(Kept, Protocol):
+    """Tables that keep many records at the price of one."""
+
+    def save_all(self, batch: Sequence[Waiting]) -> None:
+        """Keep records durably before returning, all or none; nothing new is known from them."""
         ...
 
 
@@ -65,7 +77,8 @@ class PatientStore(Generic[KeptType]):
 
     A database that cannot be used is tried again, after longer and longer pauses, and records wait
     in a bounded spool meanwhile, in order. `tell` gets what the tables say, in the thread that
-    calls `hand_over`. Raises InputError for what only editing mends.
+    calls `hand_over`; `on_lost` what too many records, or the database's refusal, cost. Raises
+    InputError for what only editing mends.
     """
 
     def __init__(
@@ -75,10 +88,12 @@ class PatientStore(Generic[KeptType]):
         tell: Callable[[msgspec.Struct], None] = lambda _: None,
         *,
         newest_only: bool = False,
+        capacity: int = CAPACITY,
+        on_lost: Callable[[Waiting], None] = lambda _: None,
     ) -> None:
         self._tables, self._tell = tables, tell
         self._retry_s, self._refresh_s = settings.database_retry_s, settings.database_refresh_s
-        self._spool = Spool(newest_only=newest_only)
+        self._spool = Spool(capacity, newest_only=newest_only, on_lost=on_lost)
         self._lock = threading.Lock()
         """Of the spool."""
         self._questions: queue.SimpleQueue[Question[KeptType]] = queue.SimpleQueue()
@@ -147,6 +162,11 @@ class PatientStore(Generic[KeptType]):
             self._tell(self._news.get())
 
     @property
+    def backlog(self) -> int:
+        """How many records wait."""
+        return len(self._spool)
+
+    @property
     def problem(self) -> str | None:
         """What is wrong with the database now, in a few words; None where all is well."""
         waiting = f"{len(self._spool)} records wait"
@@ -185,6 +205,8 @@ class PatientStore(Generic[KeptType]):
             else:
                 self._ending.wait(self._pause_s)
         self._turn()
+        while len(self._spool) and self._trouble is None:
+            self._turn()
 
     def _turn(self) -> None:
         """Do what there is to do, as far as the database lets it."""
@@ -222,19 +244,50 @@ class PatientStore(Generic[KeptType]):
                 question.over.set()
 
     def _save_all(self, kept: KeptType) -> None:
-        while (waiting := self._first()) is not None:
+        if isinstance(kept, KeptInBatches):
+            self._save_batches(kept)
+        else:
+            self._save_singly(kept)
+
+    def _save_batches(self, kept: KeptInBatches) -> None:
+        """Keep one batch; where more wait, questions have their turn before the next."""
+        if not (batch := self._oldest()):
+            return
+        try:
+            kept.save_all(batch)
+        except (sa.exc.DataError, sa.exc.IntegrityError):
+            # one of them is refused; which, is seen when they come one by one
+            self._save_singly(kept, len(batch))
+        else:
+            with self._lock:
+                for waiting in batch:
+                    self._spool.take_out(waiting)
+        if len(self._spool):
+            self._awake.set()
+
+    def _save_singly(self, kept: Kept, count: int | None = None) -> None:
+        """Keep what waits, or so many of it."""
+        left = itertools.count() if count is None else range(count)
+        for _ in left:
+            if (waiting := self._first()) is None:
+                return
             self._asked_s = time.monotonic()
             try:
                 answers = kept.save(waiting.vehicle_id, waiting.record)
             except (sa.exc.DataError, sa.exc.IntegrityError) as error:
                 # it would be refused for ever, and all that come after would wait for it
                 log.error("a record of %s is refused: %s", waiting.vehicle_id, said(error))
-                self._spool.lost += 1
+                with self._lock:
+                    self._spool.lose(waiting)
                 answers = ()
             with self._lock:
                 self._spool.take_out(waiting)
             for answer in answers:
                 self._news.put(answer)
+
+    def _oldest(self) -> list[Waiting]:
+        with self._lock:
+            return self._spool.oldest(BATCH)
 
     def _first(self) -> Waiting | None:
         with self._lock:

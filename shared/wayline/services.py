@@ -84,7 +84,15 @@ _ROWS = (
         tables=Tables(lost_without=None),
         shows="slopes",
     ),
-    ServiceRow("dashboard", 8000, ("fastapi", "uvicorn"), Replayed.NOT, shows="view"),
+    ServiceRow(
+        "history",
+        8006,
+        ("fastapi", "sqlalchemy", "alembic"),
+        Replayed.AS_NODE,
+        tables=Tables(lost_without=None),
+        shows="history",
+    ),
+    ServiceRow("dashboard", 8000, ("fastapi", "uvicorn", "httpx2"), Replayed.NOT, shows="view"),
 )
 SERVICES = {row.name: row for row in _ROWS}
 """By name, in the order in which data flows through them."""

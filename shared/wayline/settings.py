@@ -81,6 +81,14 @@ class Settings(Strict, frozen=True, kw_only=True):
     """The longest pause between two tries of a database that is away."""
     database_refresh_s: Annotated[float, Meta(gt=0.0)] = 10.0
     """How often is looked for what other processes have written."""
+    history_days: Annotated[float, Meta(gt=0.0)] = 30.0
+    """How long history keeps what has come."""
+    history_max_mb: Annotated[float, Meta(gt=0.0)] = 10_000.0
+    """How much, in millions of bytes; the oldest goes first."""
+    history_thin_after_h: Annotated[float, Meta(ge=0.0)] = 24.0
+    """Poses that a straight line tells as well are left out so many hours later."""
+    history_url: str | None = None
+    """Where the dashboard asks for the past; default: history's own port on this machine."""
     routes: tuple[str, ...] = ()
     """GeoJSON files of the routes, relative to this file."""
     feeds: tuple[str, ...] = ()

@@ -85,7 +85,7 @@ class Shuttle:
                     service=service,
                     version="0.1.0",
                     started_ns=self.start_ns,
-                    out_rate_hz=(10.0, 92.0, 11.0, 2.0, 1.0, 0.0)[number],
+                    out_rate_hz=(10.0, 92.0, 11.0, 2.0, 1.0, 0.0, 0.0)[number],
                     lag_ms_p50=1.0 + number,
                     lag_ms_p99=4.0 + 2 * number,
                 ),

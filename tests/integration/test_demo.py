@@ -116,8 +116,8 @@ def test_the_demo_comes_to_life_and_ends_without_a_trace(demo: Running) -> None:
     seen = seen_until_live(demo.port)
     assert {"gps", "arrivals"} <= seen[SHUTTLE_ID]
     assert "fused" in seen[TRUCK_ID]
-    # the demo itself, the router, four services for both vehicles, three players
-    assert len(demo.processes()) == 9
+    # the demo itself, the router, five services for both vehicles, three players
+    assert len(demo.processes()) == 10
     assert demo.end() == 0
     assert demo.processes() == set()
     assert "ended with status 0" in (demo.folder / "demo.log").read_text()

@@ -6,7 +6,7 @@ import pytest
 
 from besieged import Besieged, Bus
 
-SERVICES = ("fusion", "eta", "slope-map", "dashboard")
+SERVICES = ("fusion", "eta", "slope-map", "history", "dashboard")
 
 
 @pytest.fixture(scope="session")

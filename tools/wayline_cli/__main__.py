@@ -24,7 +24,7 @@ from wayline_evaluation.commands import evaluate_app
 from wayline_simulator.command import simulate_app
 
 if TYPE_CHECKING:
-    from wayline.settings import BusSettings
+    from wayline.settings import BusSettings, Settings
     from wayline_replay.replay import Summary
 
 app = typer.Typer(
@@ -35,12 +35,14 @@ app = typer.Typer(
 )
 route_app = typer.Typer(help="Routes for the arrivals service.", no_args_is_help=True)
 slope_app = typer.Typer(help="Slope databases.", no_args_is_help=True)
+history_app = typer.Typer(help="What happened: tracks and trips.", no_args_is_help=True)
 timetable_app = typer.Typer(help="Timetables: GTFS feeds.", no_args_is_help=True)
 app.add_typer(route_app, name="route")
 app.add_typer(timetable_app, name="timetable")
 app.add_typer(evaluate_app, name="evaluate")
 app.add_typer(simulate_app, name="simulate")
 app.add_typer(slope_app, name="slope")
+app.add_typer(history_app, name="history")
 app.add_typer(doctor_app, name="doctor")
 
 ConfigOption = Annotated[Path, typer.Option(help="Configuration file (see deploy/wayline.toml).")]
@@ -91,7 +93,7 @@ def demo_command(
         Path | None, typer.Option(help="Folder for its files, kept; default: a temporary one.")
     ] = None,
     first_port: Annotated[
-        int | None, typer.Option(help="Use ports from here on instead of 8000-8005 and 7447.")
+        int | None, typer.Option(help="Use ports from here on instead of 8000-8007 and 7447.")
     ] = None,
     no_open: Annotated[bool, typer.Option("--no-open", help="Do not open the page.")] = False,
     seconds: Annotated[float | None, typer.Option(help="End after so many seconds.")] = None,
@@ -153,6 +155,22 @@ def replay_command(
     _print_summary(summary, out)
 
 
+@app.command("split")
+def split_command(
+    table: Annotated[Path, typer.Argument(help="A table of position reports, CSV.")],
+    by: Annotated[str, typer.Option(help="The column that tells the drives apart.")],
+    template: Annotated[
+        Path, typer.Option(help="A drive.toml with $table, $value and $id where these belong.")
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for the drives' folders.")],
+) -> None:
+    """Make a drive's folder of each value in a column of one table."""
+    from wayline_cli.split_table import split_table
+
+    folders = split_table(table, by, template, out)
+    typer.echo(f"{len(folders):,} drives in {out}")
+
+
 @app.command("view")
 def view_command(
     source: Annotated[Path, typer.Argument(help="A drive, a replay's output or an MCAP file.")],
@@ -186,15 +204,45 @@ def record_command(
     config: OptionalConfig = None,
     seconds: Annotated[float | None, typer.Option(help="Stop after so many seconds.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    from_: Annotated[
+        str | None, typer.Option("--from", help="Not of the bus: of the past, from then on.")
+    ] = None,
+    to: Annotated[str | None, typer.Option("--to", help="Of the past, before then.")] = None,
+    database: Annotated[
+        str | None, typer.Option(help="Where history keeps the past; default: database_url.")
+    ] = None,
+    vehicle: Annotated[str | None, typer.Option(help="Of the past: one vehicle.")] = None,
 ) -> None:
-    """Record every message of the bus to an MCAP file, until told to stop."""
+    """Record every message of the bus to an MCAP file, until told to stop; or what history kept."""
     from wayline_cli.record import record
+
+    if from_ is not None or to is not None:
+        _record_past(file, _history_url(config, database), (vehicle, from_, to), force=force)
+        return
 
     recorded = record(file, _bus(config), seconds=seconds, force=force, say=_say)
     for topic, count in recorded.counts.items():
         typer.echo(f"{topic:14} {count:>10,}")
     lost = recorded.dropped + recorded.missed + recorded.refused
     typer.echo(f"{'lost':14} {lost:>10,}")
+
+
+def _record_past(
+    file: Path, database: str, asked: tuple[str | None, str | None, str | None], *, force: bool
+) -> None:
+    from wayline_cli.history import Asked
+    from wayline_cli.record_past import record_past
+
+    for topic, count in record_past(file, database, Asked(*asked), force=force).items():
+        typer.echo(f"{topic:14} {count:>10,}")
+
+
+def _history_url(config: Path | None, database: str | None) -> str:
+    url = database or _settings(config).database_url
+    if url is None:
+        mend = "give --database, e.g. sqlite:///history.db, or a --config that names one"
+        raise InputError("--database", "is missing, the past is in there", mend)
+    return url
 
 
 @app.command("play")
@@ -299,10 +347,65 @@ def slope_withdraw_command(
     typer.echo(withdraw_run(database, run))
 
 
+DatabaseOption = Annotated[str, typer.Option(help="e.g. sqlite:///history.db")]
+VehicleOption = Annotated[str | None, typer.Option(help="Its id; may be left out of one.")]
+FromOption = Annotated[
+    str | None, typer.Option("--from", help="From then on, e.g. 2026-11-22T08:00:00Z")
+]
+ToOption = Annotated[str | None, typer.Option("--to", help="Before then.")]
+
+
+@history_app.command("list")
+def history_list_command(database: DatabaseOption) -> None:
+    """Say of which vehicles something is kept, from when to when."""
+    from wayline_cli.history import list_vehicles
+
+    list_vehicles(database, Console())
+
+
+@history_app.command("trips")
+def history_trips_command(
+    database: DatabaseOption,
+    vehicle: VehicleOption = None,
+    from_: FromOption = None,
+    to: ToOption = None,
+    format_: Annotated[str, typer.Option("--format", help="table, csv or json")] = "table",
+) -> None:
+    """List the trips of a vehicle, or of all."""
+    from wayline_cli.history import Asked, list_trips
+
+    list_trips(database, Asked(vehicle, from_, to), format_, sys.stdout)
+
+
+@history_app.command("export")
+def history_export_command(
+    database: DatabaseOption,
+    vehicle: VehicleOption = None,
+    from_: FromOption = None,
+    to: ToOption = None,
+    kind: Annotated[str, typer.Option(help="raw, fused or on_route")] = "fused",
+    step_s: Annotated[float, typer.Option(help="One point in so many seconds.")] = 0.0,
+    format_: Annotated[str, typer.Option("--format", help="gpx, csv, geojson or json")] = "gpx",
+    out: Annotated[Path | None, typer.Option(help="File to write; default: stdout.")] = None,
+) -> None:
+    """Write where a vehicle was."""
+    from wayline_cli.history import Asked, export_track
+    from wayline_cli.output_file import binary_output
+
+    asked = Asked(vehicle, from_, to, kind, step_s)
+    size = export_track(database, asked, format_, lambda: binary_output(out))
+    if out is not None:
+        typer.echo(f"{out}: {size:,} bytes")
+
+
 def _bus(config: Path | None) -> "BusSettings":
+    return _settings(config).bus
+
+
+def _settings(config: Path | None) -> "Settings":
     from wayline.settings import Settings, load_settings, overridden
 
-    return (load_settings(config) if config else overridden(Settings(), os.environ)).bus
+    return load_settings(config) if config else overridden(Settings(), os.environ)
 
 
 def _say(text: str) -> None:

@@ -27,6 +27,7 @@ from wayline.messages import (
     Progress,
     StopEvent,
     Torque,
+    Trip,
 )
 
 SERVICES_USER = "_services"
@@ -47,6 +48,7 @@ VEHICLE_SOURCES: dict[str, tuple[type[Message], ...]] = {
 SERVER_SOURCES: dict[str, tuple[type[Message], ...]] = {
     "eta": (Progress, Arrivals, StopEvent),
     "slope-map": (Horizon,),
+    "history": (Trip,),
 }
 """What a server's services publish for a vehicle; whoever the vehicle is, it is not believed."""
 

@@ -69,6 +69,11 @@ def record(
 def _check(path: Path, seconds: float | None, *, force: bool) -> None:
     if seconds is not None and not 0.0 < seconds < threading.TIMEOUT_MAX:
         raise InputError("--seconds", f"{seconds} is no time", "give a number above 0, e.g. 60")
+    check_file(path, force=force)
+
+
+def check_file(path: Path, *, force: bool) -> None:
+    """Raise InputError for a file that is there, without `force`, or that cannot be made."""
     if path.is_file() and not force:
         raise InputError(str(path), "is there already", "name another file, or give --force")
     if not path.parent.is_dir():

@@ -3,6 +3,7 @@
 from argparse import Namespace
 
 from wayline.service import Service
+from wayline.services import SERVICES
 from wayline.settings import Settings
 from wayline.shell import load_routes
 from wayline.shell import main as run_shell
@@ -27,8 +28,14 @@ def build(settings: Settings, options: Namespace) -> Service:
             routes=routes,
             healthz=healthz,
             registry=telemetry.registry,
+            history_url=settings.history_url or f"http://127.0.0.1:{history_port(settings)}",
         ),
     )
+
+
+def history_port(settings: Settings) -> int:
+    """Where history listens on the same machine."""
+    return settings.ports.get("history", SERVICES["history"].port)
 
 
 def main() -> None:

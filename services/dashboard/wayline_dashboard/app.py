@@ -20,10 +20,15 @@ from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters, read_parameters
 from wayline.route import Route
 from wayline.route_file import route_features
+from wayline.services import SERVICES
 from wayline_dashboard.live_view import LiveView
 from wayline_dashboard.page import STATIC, add_page, is_page
+from wayline_dashboard.past import add_past
 from wayline_dashboard.stream import stream
 from wayline_dashboard.view import FleetView
+
+HISTORY_URL = f"http://127.0.0.1:{SERVICES['history'].port}"
+"""On the same machine."""
 
 
 class RouteLink(msgspec.Struct, frozen=True):
@@ -57,8 +62,9 @@ def create_dashboard(
     healthz: Callable[[], Healthz] | None = None,
     registry: CollectorRegistry | None = None,
     static: Path = STATIC,
+    history_url: str = HISTORY_URL,
 ) -> FastAPI:
-    """The app that shows what is put into `live`.
+    """The app that shows what is put into `live`, and what history at an address tells of before.
 
     Raises InputError for settings that would be too open.
     """
@@ -74,6 +80,7 @@ def create_dashboard(
     )
     _add_view(app, live, registry)
     _add_routes(app, {route.route_id: route for route in routes})
+    add_past(app, history_url)
     add_page(app, static)
     return app
 

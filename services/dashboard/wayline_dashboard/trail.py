@@ -33,7 +33,8 @@ class Trail:
     """
 
     def __init__(self) -> None:
-        self._points: deque[tuple[int, TrailPoint]] = deque(maxlen=POINTS_MAX)
+        self._points: deque[tuple[int, int, TrailPoint]] = deque(maxlen=POINTS_MAX)
+        """With their revision and instant."""
         self._lost_revision = 0
         """Of the newest point that is no longer held."""
         self._metres_lat_deg = math.inf
@@ -48,16 +49,22 @@ class Trail:
         """Keep a pose's position if it is far enough from the last one kept."""
         if pose.lat_deg is None or pose.lon_deg is None:
             return
-        if self._points and self._is_near(pose.lat_deg, pose.lon_deg, self._points[-1][1]):
+        if self._points and self._is_near(pose.lat_deg, pose.lon_deg, self._points[-1][2]):
             return
         if len(self._points) == POINTS_MAX:
             self._lost_revision = self._points[0][0]
-        self._points.append((revision, TrailPoint(pose.lat_deg, pose.lon_deg, pose.mode)))
+        point = TrailPoint(pose.lat_deg, pose.lon_deg, pose.mode)
+        self._points.append((revision, pose.t_ns, point))
+
+    @property
+    def began_ns(self) -> int | None:
+        """When the vehicle was at the oldest point that is held."""
+        return self._points[0][1] if self._points else None
 
     def since(self, known: int) -> tuple[TrailPoint, ...]:
         """The points that came after a revision, as far as they are still held."""
         newest_first = takewhile(lambda held: held[0] > known, reversed(self._points))
-        return tuple(point for _, point in newest_first)[::-1]
+        return tuple(point for _, _, point in newest_first)[::-1]
 
     def is_missed(self, known: int) -> bool:
         """Whether a reader that knows a revision missed points that are no longer held."""

@@ -168,6 +168,8 @@ class VehicleView(msgspec.Struct, kw_only=True, omit_defaults=True):
     services: tuple[ServiceView, ...] | None = None
     trail: tuple[TrailPoint, ...] = ()
     trail_restart: bool = False
+    trail_began: str | None = None
+    """With `trail_restart`: when the vehicle was at the trail's first point."""
 
 
 class FleetView(msgspec.Struct, frozen=True, kw_only=True):

@@ -13,6 +13,7 @@ from wayline.messages import (
     Pose,
     Progress,
 )
+from wayline.rfc3339 import rfc3339
 from wayline.view import Receipt
 from wayline_dashboard.instant import Instant
 from wayline_dashboard.roll import Roll
@@ -96,6 +97,8 @@ class VehicleViewModel:
         view = self.view(known, SHOWN, now)
         view.trail = self._trail.since(known)
         view.trail_restart = self._trail.is_missed(known)
+        if view.trail_restart and (began_ns := self._trail.began_ns) is not None:
+            view.trail_began = rfc3339(began_ns)
         return view
 
     def services(self) -> tuple[ServiceView, ...]:

@@ -22,12 +22,12 @@ from wayline_cli.journal import journal_in
 
 def test_without_a_wish_the_ports_are_the_services_own() -> None:
     ports = choose_ports(None)
-    assert ports.http == {**{name: row.port for name, row in SERVICES.items()}, TRUCK_GPS: 8006}
+    assert ports.http == {**{name: row.port for name, row in SERVICES.items()}, TRUCK_GPS: 8007}
     assert (ports.router, ports.rerun) == (7447, 9876)
 
 
 def test_a_first_port_moves_everything_in_a_row() -> None:
-    assert sorted(choose_ports(18_000).all().values()) == list(range(18_000, 18_009))
+    assert sorted(choose_ports(18_000).all().values()) == list(range(18_000, 18_010))
 
 
 @pytest.mark.parametrize("first", [0, 80, 65_530])
@@ -60,7 +60,7 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Demo]:
 def test_every_process_has_a_configuration_that_loads(prepared: tuple[Path, Demo]) -> None:
     _, ready = prepared
     commands = [child.command for stage in ready.stages for child in stage]
-    assert len(commands) == 8
+    assert len(commands) == 9
     for command in commands:
         path = Path(command[command.index("--config") + 1])
         settings = load_settings(path, {})
@@ -120,7 +120,7 @@ def test_the_addresses_are_those_of_the_ports(prepared: tuple[Path, Demo]) -> No
         "http://127.0.0.1:18000\n",
         "http://127.0.0.1:18001/docs",
         "http://127.0.0.1:18002/docs",
-        "rerun+http://127.0.0.1:18008/proxy",
+        "rerun+http://127.0.0.1:18009/proxy",
     ):
         assert address in text
     assert "the page is not built" in "\n".join(addresses(ready, is_built=False))

@@ -90,6 +90,6 @@ def test_what_compose_and_the_image_name_is_there() -> None:
     mounted = re.findall(r"- (\./[^:]+):", compose)
     dockerfile = (DEPLOY / "Dockerfile").read_text(encoding="utf-8")
     copied = re.findall(r"^COPY (?!--from)(.+) \S+$", dockerfile, re.MULTILINE)
-    assert len(mounted) == 4
+    assert len(mounted) == 5
     assert all((DEPLOY / name).is_file() for name in mounted)
     assert all((DEPLOY.parent / name).exists() for line in copied for name in line.split())

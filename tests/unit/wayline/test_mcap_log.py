@@ -34,6 +34,8 @@ from wayline.messages import (
     StopArrival,
     StopEvent,
     Torque,
+    Trip,
+    TripStop,
     Verdict,
 )
 
@@ -62,6 +64,17 @@ EVERY: tuple[Message, ...] = (
         t_ns=at(0.9), route_id="7", stop_id="a", stop_sequence=3, kind="skipped", distance_m=1.0,
     ),
     Horizon(t_ns=at(1.0), points=(HorizonPoint(distance_m=20.0, grade_pct=-3.0, runs=2),)),
+    Trip(
+        t_ns=at(1.0),
+        trip_key="bus-7_20231114T221320Z",
+        started_ns=at(0.0),
+        ended_ns=at(1.0),
+        distance_m=12.0,
+        distance_std_m=0.5,
+        moving_s=1.0,
+        max_speed_mps=12.0,
+        stops=(TripStop(started_ns=at(0.5), dwell_s=10.0, lat_deg=1.0, lon_deg=2.0),),
+    ),
     Health(t_ns=at(1.1), service="fusion", version="0", started_ns=START_NS),
 )  # fmt: skip
 

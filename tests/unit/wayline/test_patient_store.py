@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -64,7 +65,7 @@ class Roads:
 class Running:
     """A store at work, and what it told."""
 
-    def __init__(self, url: str, **options: bool) -> None:
+    def __init__(self, url: str, **options: Any) -> None:
         self.told: list[msgspec.Struct] = []
         self.failed = threading.Event()
         self.store = PatientStore(

@@ -24,7 +24,7 @@ FOLDERS = [f"services/{row.name}" for row in ROWS]
 DATA_ONLY = {"tzdata"}
 """What an extra installs that nothing imports by name."""
 
-SEVENTH = """
+EIGHTH = """
 import sys
 from pathlib import Path
 from wayline.services import SERVICES, Replayed, ServiceRow
@@ -46,7 +46,7 @@ subjects = [check.subject for check in doctor(config, {})]
 assert "port 9009 of made-up" in subjects, subjects
 assert "packages of made-up" in subjects, subjects
 assert choose_ports(None).http["made-up"] == 8099
-assert choose_ports(18000).http["made-up"] == 18006
+assert choose_ports(18000).http["made-up"] == 18007
 assert "made-up" in LocalSystem(Path(sys.argv[1])).ports
 up.os.access = lambda path, mode: path.name == "wayline-made-up"
 ((child,),) = up.children(config, settings)
@@ -54,10 +54,10 @@ assert Path(child.command[0]).name == "wayline-made-up", child
 """
 
 
-def test_a_seventh_service_is_one_row(tmp_path: Path) -> None:
+def test_an_eighth_service_is_one_row(tmp_path: Path) -> None:
     """Settings accept it, the doctor and the demo look at it, `up` finds its command."""
     # a fresh interpreter, because settings' types are made from the table as they are imported
-    command = (sys.executable, "-c", SEVENTH, str(tmp_path))
+    command = (sys.executable, "-c", EIGHTH, str(tmp_path))
     ended = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert (ended.returncode, ended.stderr) == (0, "")
 

@@ -5,23 +5,26 @@ import { html, render } from "lit-html";
 import type { TemplateResult } from "lit-html";
 
 import { forgetToken, saveToken, savedToken } from "./access";
-import { ServerClock } from "./clock";
+import { ServerClock, vehicleNowMs } from "./clock";
 import type { Now } from "./clock";
 import { Connection } from "./connection";
 import type { LineState } from "./connection";
 import { applyView, emptyFleet, nameRoute } from "./fleet";
-import type { Vehicle } from "./fleet";
+import type { Fleet, Vehicle } from "./fleet";
 import { goneBus } from "./health";
 import { FleetMap } from "./map/map";
 import { mapTools } from "./map/tools";
 import { accessForm } from "./panels/access";
 import { arrivalsPanel } from "./panels/arrivals";
 import { banner, busBanner } from "./panels/banner";
+import { pastPanel } from "./panels/past";
 import { positioningPanel } from "./panels/positioning";
 import { servicesPanel } from "./panels/services";
 import { slopePanel } from "./panels/slope";
 import { vehiclePanel } from "./panels/vehicle";
 import { vehicleList } from "./panels/vehicles";
+import { EarlierTrail } from "./past/earlier";
+import { Past } from "./past/past";
 import { chooseVehicle, putInAddress, selectedInAddress } from "./selection";
 import type { Service } from "./view";
 
@@ -49,6 +52,11 @@ let wasOpen = false;
 let wanted = selectedInAddress();
 
 const map = new FleetMap(element("map"), () => renderTools());
+const past = new Past(() => {
+  showOnMap();
+  renderPage();
+});
+const earlier = new EarlierTrail(() => showOnMap());
 const connection = new Connection({
   onState(state) {
     line = state;
@@ -59,7 +67,7 @@ const connection = new Connection({
     const known = fleet.selected;
     applyView(fleet, view, clock.set(view.now));
     connection.select(selected());
-    map.show(fleet, selected());
+    showOnMap();
     if (view.kind === "snapshot" || fleet.selected !== known) {
       renderPage();
     }
@@ -78,9 +86,25 @@ function choose(vehicleId: string): void {
   wanted = vehicleId;
   putInAddress(vehicleId);
   connection.select(vehicleId);
-  map.show(fleet, selected());
+  past.close();
+  showOnMap();
   map.setFollowing(true);
   renderPage();
+}
+
+/** The present with what history kept of the trail, or the past. */
+function showOnMap(): void {
+  const vehicle = fleet.vehicles.get(selected() ?? "");
+  const isPresent = past.vehicleId === null && vehicle !== undefined && hasHistory();
+  map.show(isPresent ? withVehicle(fleet, earlier.before(vehicle)) : past.shown(fleet), selected());
+}
+
+function withVehicle(known: Fleet, vehicle: Vehicle): Fleet {
+  return { ...known, vehicles: new Map(known.vehicles).set(vehicle.vehicle_id, vehicle) };
+}
+
+function hasHistory(): boolean {
+  return services().some(({ service, up }) => service === "history" && up);
 }
 
 function enter(token: string): void {
@@ -106,15 +130,20 @@ function renderPanel(): void {
   const vehicle = fleet.vehicles.get(selected() ?? "");
   const isBusThere = goneBus(services()) === null;
   const isLive = line.kind === "open" && isBusThere;
+  const isPast = past.vehicleId !== null;
   const parts =
     vehicle === undefined
       ? html`<p class="empty">${wasOpen ? "No vehicle has been heard yet." : "Connecting…"}</p>`
-      : html`${vehiclePanel(vehicle, now)} ${details(vehicle, now)}`;
+      : past.vehicleId === vehicle.vehicle_id
+        ? pastPanel(vehicle.vehicle_id, past, vehicleNowMs(vehicle, now))
+        : html`${vehiclePanel(vehicle, now)} ${details(vehicle, now)}`;
   render(
     html`
       <header>
         <h1>Wayline</h1>
-        <span class="line-state ${isLive ? "open" : "closed"}">${isLive ? "live" : "not live"}</span>
+        <span class="line-state ${isLive && !isPast ? "open" : "closed"}"
+          >${isPast ? "past" : isLive ? "live" : "not live"}</span
+        >
       </header>
       ${vehicleList(fleet.vehicles.values(), selected(), now, choose)} ${parts}
       ${servicesPanel(services(), isBusThere, now)}
@@ -129,6 +158,7 @@ function details(vehicle: Vehicle, now: Now): TemplateResult | null {
     return html`
       ${arrivalsPanel(vehicle, now, fleet.routeNames)} ${slopePanel(vehicle)}
       ${positioningPanel(vehicle)}
+      ${hasHistory() ? pastPanel(vehicle.vehicle_id, past, vehicleNowMs(vehicle, now)) : null}
     `;
   }
   return line.kind === "open" ? null : html`<p class="empty">More comes with the connection.</p>`;

@@ -140,6 +140,8 @@ export interface VehicleChange {
   services?: Service[];
   trail?: TrailPoint[];
   trail_restart?: boolean;
+  /** With a restart: when the vehicle was at its first point. */
+  trail_began?: string;
 }
 
 export interface FleetView {

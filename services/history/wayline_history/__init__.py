@@ -1,0 +1,1 @@
+"""Keeps what happened: fixes, poses, progress, events and trips of vehicles."""

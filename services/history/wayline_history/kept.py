@@ -1,0 +1,127 @@
+"""The history's tables for a `PatientStore`: keeps in batches, tidies up in between."""
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+import msgspec
+import sqlalchemy as sa
+
+from wayline.core import Record
+from wayline.host_clock import told_ns
+from wayline.keys import FLEET
+from wayline.spool import Waiting
+from wayline_history.chunk import Chunk
+from wayline_history.housekeeping import Housekeeping, Limits
+from wayline_history.layouts import US
+from wayline_history.losses import Losses
+from wayline_history.reading import HistoryReader
+from wayline_history.records import Event, Piece
+from wayline_history.store import HistoryStore
+from wayline_history.trip_cutter import SILENCE_NS
+
+GAP_NS = 5_000_000_000
+"""A history that was not kept for less is told of nowhere."""
+ALIVE_S = 60.0
+"""How often is noted that the history is kept, where nothing comes."""
+TIDY_EVERY_S = 10.0
+TIDY_FOR_S = 0.2
+RESUMED_NS = 12 * 3_600_000_000_000
+"""A trip that began earlier is cut where the history was started anew."""
+
+
+class UnderWay(NamedTuple):
+    """Of a trip that may still be under way."""
+
+    rows: Sequence[Sequence[int]] = ()
+    """Of its poses."""
+    refused_ns: Sequence[int] = ()
+    """When measurements were refused."""
+
+
+class Openings:
+    """How often the tables were opened: what was not kept before the first has another reason."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+
+class HistoryTables:
+    """What the store's thread does with the history."""
+
+    def __init__(
+        self, engine: sa.Engine, limits: Limits, losses: Losses, openings: Openings
+    ) -> None:
+        self._store = HistoryStore(engine, time.time)
+        self._reader = HistoryReader(engine)
+        self._housekeeping = Housekeeping(engine, limits, time.time)
+        self._losses, self._openings = losses, openings
+        self._is_opened = False
+        self._alive_ns = 0
+        self._tidied_s = -TIDY_EVERY_S
+
+    def save(self, vehicle_id: str, record: Record) -> Sequence[msgspec.Struct]:
+        """Keep one piece."""
+        self._keep([(vehicle_id, record)])
+        return ()
+
+    def save_all(self, batch: Sequence[Waiting]) -> None:
+        """Keep many pieces at once."""
+        self._keep([(each.vehicle_id, each.record) for each in batch])
+
+    def look(self) -> Sequence[msgspec.Struct]:
+        """Tell of gaps, and let the history age; nobody has to be told anything."""
+        if not self._is_opened:
+            self._tell_gap()
+            self._is_opened = True
+        gaps = self._losses.take()
+        try:
+            if gaps or told_ns() - self._alive_ns > ALIVE_S * 1e9:
+                self._keep(gaps)
+        except sa.exc.DBAPIError:
+            self._losses.put_back(gaps)
+            raise
+        self._tidy()
+        return ()
+
+    def under_way(self, vehicle_id: str) -> UnderWay:
+        """What is kept of a trip that may still be under way; nothing where none can be."""
+        newest_ns = self._reader.newest_ns(vehicle_id, "fused")
+        if newest_ns is None:
+            return UnderWay()
+        span = newest_ns - RESUMED_NS, newest_ns + US
+        rows: list[Sequence[int]] = []
+        for row in _rows(self._reader.rows(vehicle_id, "fused", *span)):
+            if rows and row[0] - rows[-1][0] > SILENCE_NS // US:
+                rows = []
+            rows.append(row)
+        refused = _rows(self._reader.rows(vehicle_id, "refused", rows[0][0] * US, span[1]))
+        return UnderWay(rows, [row[0] * US for row in refused])
+
+    def _keep(self, records: Sequence[tuple[str, Record]]) -> None:
+        alive_ns = told_ns()
+        pieces = [(vehicle_id, each) for vehicle_id, each in records if isinstance(each, Piece)]
+        self._store.save(pieces, alive_ns)
+        self._alive_ns = alive_ns
+
+    def _tell_gap(self) -> None:
+        kept_ns, now_ns = self._store.alive_ns(), told_ns()
+        was_running = self._openings.count > 0
+        self._openings.count += 1
+        if kept_ns is None or now_ns - kept_ns < GAP_NS:
+            return
+        detail = "the database was away or full" if was_running else "history was not running"
+        gap = Event(t_ns=kept_ns, until_ns=now_ns, kind="gap", name="history", detail=detail)
+        self._keep([(FLEET, Piece(events=(gap,)))])
+
+    def _tidy(self) -> None:
+        now_s = time.monotonic()
+        if now_s - self._tidied_s < TIDY_EVERY_S:
+            return
+        self._housekeeping.turn(TIDY_FOR_S, time.monotonic)
+        self._tidied_s = time.monotonic()
+
+
+def _rows(chunks: Iterable[Chunk]) -> Iterator[Sequence[int]]:
+    for chunk in chunks:
+        yield from chunk.values.tolist()
