@@ -32,7 +32,8 @@ def there_and_back(folder: Path, block_id: str) -> Runs:
 
 def drive(runs: Runs, *, turned_m: float, headed: bool) -> list[Message]:
     """To `turned_m` and back, told of once a minute while it drives; a minute's stand between."""
-    node, told = timetable_node(runs, Tuning(), None), []
+    node = timetable_node(runs, Tuning(), None)
+    told: list[Message] = []
     begins_ns = instant_ns(DAY, 8 * 3600.0, BERLIN)
     turns_s = turned_m / SPEED_MPS
     for second in range(round(turns_s) + 60 + 300):
