@@ -27,7 +27,7 @@ from wayline_eta.forecaster import Forecaster
 from wayline_eta.lessons import Lessons, lessons_by
 from wayline_eta.records import Learned
 from wayline_eta.scoring import Scoring
-from wayline_eta.sightings import Sighting, Sightings
+from wayline_eta.sightings import LeftOut, Sighting, Sightings
 from wayline_eta.stop_events import StopEvents
 from wayline_eta.trip_choice import TripChoice
 from wayline_eta.trip_fit import Followed, is_same
@@ -50,12 +50,14 @@ def timetable_node(
     assignment: str | None,
     lessons: Lessons | None = None,
     store: Store | None = None,
+    *,
+    left_out: LeftOut | None = None,
 ) -> Node:
     """A core with its name; `assignment` is the trip or block that is known without reports.
 
     The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
-    core = TimetableEtaCore(runs, tuning, assignment, lessons)
+    core = TimetableEtaCore(runs, tuning, assignment, lessons, left_out)
     return Node("eta", core, store, timeless=frozenset({GpsFix}))
 
 
@@ -75,6 +77,7 @@ class TimetableEtaCore:
         tuning: Tuning,
         assignment: str | None = None,
         lessons: Lessons | None = None,
+        left_out: LeftOut | None = None,
     ) -> None:
         self._lessons = lessons or lessons_by(runs.feeds)
         self._scoring = Scoring(self._lessons.scored)
@@ -85,7 +88,7 @@ class TimetableEtaCore:
         """The run that it is of."""
         self._choice = TripChoice(runs, tuning)
         self._tuning, self._configured = tuning, assignment
-        self._sightings = Sightings(tuning)
+        self._sightings = Sightings(tuning, left_out)
         self._events = StopEvents()
         self._pose: Pose | None = None
         self._is_stale = False
