@@ -50,12 +50,12 @@ class CsvFile:
 
 def number_of(text: str) -> float | None:
     """A finite number with a decimal point or a decimal comma, else None."""
-    if text.count(",") == 1 and "." not in text:
-        text = text.replace(",", ".")
     try:
         value = float(text)
     except ValueError:
-        return None
+        if text.count(",") != 1 or "." in text:
+            return None
+        return number_of(text.replace(",", "."))
     return value if math.isfinite(value) else None
 
 

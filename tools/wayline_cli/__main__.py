@@ -155,6 +155,22 @@ def replay_command(
     _print_summary(summary, out)
 
 
+@app.command("split")
+def split_command(
+    table: Annotated[Path, typer.Argument(help="A table of position reports, CSV.")],
+    by: Annotated[str, typer.Option(help="The column that tells the drives apart.")],
+    template: Annotated[
+        Path, typer.Option(help="A drive.toml with $table, $value and $id where these belong.")
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for the drives' folders.")],
+) -> None:
+    """Make a drive's folder of each value in a column of one table."""
+    from wayline_cli.split_table import split_table
+
+    folders = split_table(table, by, template, out)
+    typer.echo(f"{len(folders):,} drives in {out}")
+
+
 @app.command("view")
 def view_command(
     source: Annotated[Path, typer.Argument(help="A drive, a replay's output or an MCAP file.")],

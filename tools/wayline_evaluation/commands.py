@@ -164,6 +164,30 @@ def sparse_command(
         plot_sparse(shown, plot)
 
 
+@evaluate_app.command("smoothing")
+def smoothing_command(
+    drives: Drives,
+    *,
+    fusion: Annotated[
+        int, typer.Option(min=0, help="Trips, spread evenly, that fusion is run on; it is slow.")
+    ] = 5,
+    json: Json = None,
+    plot: Plot = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Speeds, accelerations and trip distances by six smoothers, as papers/003 compares them."""
+    from wayline_evaluation.smoothing.plot import plot_smoothing
+    from wayline_evaluation.smoothing.study import shown_trip, smoothing_study
+    from wayline_evaluation.smoothing.table import smoothing_tables
+
+    check_targets(json, plot)
+    with progress("trips") as progressed:
+        report = smoothing_study(drives, fusion, jobs, progressed)
+    _tell(smoothing_tables(report), report, json)
+    if plot is not None:
+        plot_smoothing(report, *shown_trip(drives, report), plot)
+
+
 @evaluate_app.command("trips")
 def trips_command(
     drives: Drives,
@@ -212,6 +236,28 @@ def eta_command(
     _tell(eta_tables(report), report, json)
     if plot is not None:
         plot_eta(report, runs, plot)
+
+
+@evaluate_app.command("avl")
+def avl_command(
+    folder: Annotated[Path, typer.Argument(help="Folder with the tables of papers/000 as CSV.")],
+    *,
+    route: Annotated[
+        Path | None, typer.Option(help="A route in place of the planned one of the tables.")
+    ] = None,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """The published route filter beside its printed estimates, and its ellipses."""
+    from wayline_evaluation.avl_plot import plot_avl
+    from wayline_evaluation.avl_study import avl_study
+    from wayline_evaluation.avl_table import avl_tables
+
+    check_targets(json, plot)
+    study = avl_study(folder, route)
+    _tell(avl_tables(study.report), study.report, json)
+    if plot is not None:
+        plot_avl(study, plot)
 
 
 @evaluate_app.command("following")

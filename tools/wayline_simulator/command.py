@@ -11,6 +11,7 @@ from rich.table import Table
 from wayline.errors import InputError
 from wayline_simulator.folders import check_empty
 from wayline_simulator.network.command import network_command
+from wayline_simulator.trips.command import trips_command
 
 if TYPE_CHECKING:
     from wayline_simulator.drive_folder import Written
@@ -77,6 +78,7 @@ def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
 
 
 simulate_app.command("network")(network_command)
+simulate_app.command("trips")(trips_command)
 
 
 def _scenario(name: str | None) -> "tuple[Scenario, Path]":

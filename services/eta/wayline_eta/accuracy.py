@@ -12,7 +12,7 @@ import msgspec
 from msgspec import Meta
 
 from wayline_eta.records import SCORED_DAYS_MAX, Scored, ScoredDay, day_of
-from wayline_eta.scores import Score, Sums, added, score_of
+from wayline_eta.scores import NOTHING, Score, Sums, added, score_of
 
 ROUTE_DAYS_MAX = 50_000
 """Those of the oldest days are forgotten first."""
@@ -45,14 +45,22 @@ class Accuracy:
         self._sums: dict[tuple[int, str], Sums] = {}
 
     def take(self, scored: Scored | ScoredDay) -> None:
-        """Take what a minute of a vehicle has brought, or what a database has kept of a day."""
-        day = scored.day if isinstance(scored, ScoredDay) else day_of(scored.t_ns)
-        key = day, scored.route_id
+        """Add what a minute of a vehicle has brought, or know a whole day's as a database has it.
+
+        A database answers each minute with the day that holds it; told again it changes nothing.
+        """
         with self._lock:
-            before = self._sums.get(key)
-            self._sums[key] = scored.sums if before is None else before.plus(scored.sums)
-            if before is None:
-                self._forget()
+            if isinstance(scored, ScoredDay):
+                self._know((scored.day, scored.route_id), scored.sums)
+            else:
+                key = day_of(scored.t_ns), scored.route_id
+                self._know(key, self._sums.get(key, NOTHING).plus(scored.sums))
+
+    def _know(self, key: tuple[int, str], sums: Sums) -> None:
+        is_new = key not in self._sums
+        self._sums[key] = sums
+        if is_new:
+            self._forget()
 
     def answer(self, asked: AccuracyParameters) -> AccuracyAnswer:
         """What is asked for."""

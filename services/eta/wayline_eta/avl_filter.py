@@ -36,6 +36,8 @@ class Estimate(NamedTuple):
     distance_std_m: float
     ended: bool
     """The prediction has reached the end of an open route."""
+    covariance_m2: tuple[tuple[float, float], tuple[float, float]]
+    """Of east and north."""
 
 
 class AvlRouteFilter:
@@ -86,7 +88,9 @@ class AvlRouteFilter:
         place = self._project(kalman.x)
         along = _along(place.heading_deg)
         std_m = math.sqrt(float(along @ kalman.P @ along))
-        return Estimate(lat_deg, lon_deg, place, std_m, self._ended)
+        (east_m2, shared_m2), (_, north_m2) = kalman.P.tolist()
+        covariance_m2 = (east_m2, shared_m2), (shared_m2, north_m2)
+        return Estimate(lat_deg, lon_deg, place, std_m, self._ended, covariance_m2)
 
     def _project(self, x: Floats) -> Projection:
         """Eq. 2 to 5: the nearest point of the route."""

@@ -18,6 +18,10 @@ Indices = NDArray[np.intp]
 UNTOLD_DWELL_S = 20.0
 UNTOLD_SHARE = 1.0 / 3.0
 """A stop without a planned dwell takes so much of the running time to it, the lesser of the two."""
+RATE_MPS2 = 2.0
+"""Speeding up and braking, of a bus with standing passengers."""
+HURRY_MAX = 1.2
+TINY_S = 1e-3
 ENDS_WITHIN_M = 50.0
 """A line that goes on no farther behind its last stop ends there."""
 MINUTE_S = 60.0
@@ -52,6 +56,11 @@ class ExpectedMotion:
             return np.inf
         last_m = float(self.stops_m[-1])
         return last_m if last_m >= self._route.length_m - ENDS_WITHIN_M else np.inf
+
+    @property
+    def last_m(self) -> float:
+        """Where an open route's line ends; beyond everything on a loop."""
+        return np.inf if self._route.loop else self._route.length_m
 
     def driven_s(self, totals_m: Floats) -> Floats:
         """Seconds of driving from the start to distances, at the planned speeds, without dwells."""
@@ -97,6 +106,12 @@ class ExpectedMotion:
         driven_s = self.driven_s(np.array([from_m, stop_m]))
         return max(float(np.diff(planned_s)[0] - np.diff(driven_s)[0]), 0.0)
 
+    def speeds_mps(self, totals_m: Floats) -> Floats:
+        """Planned speeds under way at distances, shape (n,)."""
+        withins_m = totals_m % self._route.length_m if self._route.loop else totals_m
+        sections = np.searchsorted(self._marks_m, withins_m, side="right") - 1
+        return np.asarray(self._speeds_mps[np.clip(sections, 0, len(self._speeds_mps) - 1)])
+
     def speed_mps(self, total_m: float) -> float:
         """Planned speed under way, at a distance."""
         within_m = total_m % self._route.length_m if self._route.loop else total_m
@@ -109,6 +124,36 @@ class ExpectedMotion:
         dwells_s = np.where(self._is_untold, self._untold_s, self._planned_s)
         waits = np.isfinite(self.leaves_ns)
         return np.where(waits, np.minimum(dwells_s, BOARDING_S), dwells_s)
+
+    @cached_property
+    def may_be_skipped(self) -> NDArray[np.bool_]:
+        """Shape (stops,): neither a timepoint nor where an open route begins or ends."""
+        may = ~np.isfinite(self.leaves_ns)
+        if not self._route.loop and len(may):
+            may[[0, -1]] = False
+        return np.asarray(may)
+
+    @cached_property
+    def hurries(self) -> Floats:
+        """How much faster than planned a vehicle drives to each stop under way, shape (stops,).
+
+        The planned time holds speeding up and braking too: it is that under way at the hurried
+        speed, and the changes that this takes.
+        """
+        if not len(self.stops_m):
+            return np.ones(1)
+        before_m = self.stops_m[-1] - self._route.length_m if self._route.loop else 0.0
+        marks_m = np.concatenate(([before_m], self.stops_m))
+        lengths_m = np.maximum(np.diff(marks_m), 1.0)
+        planned_s = np.maximum(np.diff(self.driven_s(marks_m)), TINY_S)
+        changes_s = lengths_m / planned_s / RATE_MPS2
+        root_s = np.sqrt(np.maximum(planned_s * (planned_s - 4.0 * changes_s), 0.0))
+        return np.clip((planned_s - root_s) / (2.0 * changes_s), 1.0, HURRY_MAX)
+
+    def beyond_m(self, totals_m: Floats) -> Floats:
+        """Where one drives to beyond the last stop: to the route's end, or round."""
+        length_m = self._route.length_m
+        return totals_m + length_m if self._route.loop else np.maximum(length_m, totals_m)
 
     @property
     def is_untold(self) -> bool:

@@ -16,6 +16,8 @@ from wayline_eta.stands import Stand, goes_on
 
 RENEWED_NS = 10_000_000_000
 """What others teach is taken up so often, and at once after each stop of one's own."""
+FADED_NS = 60_000_000_000
+"""Where nobody has taught anything: traffic that was noticed fades, and half hours pass."""
 DWELLS_SEEN = 2.0
 """At a stop, before they count for a vehicle that stands there."""
 
@@ -34,7 +36,8 @@ class Forecaster:
         self._times = LegTimes(self._legs, list(sequences))
         self._forecasts = Forecasts()
         self._expected: Expectations | None = None
-        self._renewed_ns = 0
+        self._renewed_ns = self._taught = 0
+        """When that was reckoned, and how much had been taught by then."""
 
     def visits(
         self, outlook: Outlook, now_ns: int, motion: ExpectedMotion | None = None
@@ -61,9 +64,11 @@ class Forecaster:
         return learned
 
     def _expectations(self, t_ns: int) -> Expectations:
-        if self._expected is None or t_ns - self._renewed_ns >= RENEWED_NS:
-            self._expected = expectations(self._lessons, self._legs, self._plan, t_ns)
-            self._renewed_ns = t_ns
+        age_ns, lessons = t_ns - self._renewed_ns, self._lessons
+        due_ns = RENEWED_NS if lessons.taught != self._taught else FADED_NS
+        if self._expected is None or age_ns >= due_ns:
+            self._expected = expectations(lessons, self._legs, self._plan, t_ns)
+            self._renewed_ns, self._taught = t_ns, lessons.taught
         return self._expected
 
     def _stand(self, by: Expectations, outlook: Outlook, motion: ExpectedMotion | None) -> Stand:

@@ -30,6 +30,8 @@ class Lessons:
         self.experience = Experience(zone, is_timetable=is_timetable)
         self._ranges: dict[str, Ranges] = {}
         self.scored = scored
+        self.taught = 0
+        """How often somebody has taught: as long as it is the same, so is what they know."""
 
     def ranges_of(self, plan: str) -> Ranges:
         """Of the forecasts on one plan's legs."""
@@ -37,12 +39,14 @@ class Lessons:
 
     def learn(self, learned: Learned) -> None:
         """Take what a vehicle has just taught."""
+        self.taught += 1
         self.experience.learn(learned.taken)
         for came in learned.came:
             self.ranges_of(came.plan).learn(came.span, came.off)
 
     def remember(self, kept: msgspec.Struct) -> None:
         """Take what a database has kept; it says nothing of the traffic now."""
+        self.taught += 1
         if isinstance(kept, Taken):
             self.experience.learn(kept, is_now=False)
         elif isinstance(kept, Came):

@@ -7,16 +7,20 @@ to within half an hour of when it was due, are ghosts.
 
 from collections import defaultdict
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
+
+import msgspec
 
 from wayline.messages import Arrivals, Progress, StopEvent
 from wayline_eta.records import Scored
-from wayline_eta.scores import MBTA_SPANS_MIN, NOTHING, Prediction, Sums, sums_of
+from wayline_eta.scores import MBTA_SPANS_MIN, Prediction, Sums, sums_of
 
 EVERY_NS = 60_000_000_000
 AHEAD_NS = round(MBTA_SPANS_MIN[-1][1]) * EVERY_NS
 """Farther ahead nothing is scored."""
 OVERDUE_NS = 30 * EVERY_NS
+NEVER_NS = 1 << 62
 PROMISES_MAX = 2_000
 """Of one vehicle; the oldest are forgotten first."""
 
@@ -42,14 +46,24 @@ class Promise(NamedTuple):
         return Prediction(predicted_s, early_s, late_s, actual_s)
 
 
+@dataclass(slots=True)
+class Seen:
+    """Of a vehicle on one route."""
+
+    arrivals: int = 0
+    on_route_s: int = 0
+    told_s: int = 0
+
+
 class Promises:
     """Of one vehicle, with what has been scored since that was taken last."""
 
     def __init__(self) -> None:
         self._made: dict[StopKey, list[Promise]] = {}
         self._came: defaultdict[str, list[Prediction]] = defaultdict(list)
-        self._seen: defaultdict[str, Sums] = defaultdict(lambda: NOTHING)
-        """Arrivals and seconds, by route."""
+        self._seen: defaultdict[str, Seen] = defaultdict(Seen)
+        self._overdue_ns = NEVER_NS
+        """None of them is before this."""
         self._minute = 0
         self._standing: StopKey | None = None
         """The stop whose arrival has been scored and where the vehicle has not left yet."""
@@ -58,8 +72,9 @@ class Promises:
         """Take what is told at one second."""
         is_told = bool(arrivals.stops) and not arrivals.stale
         if progress is not None and progress.on_route:
-            second = Sums(on_route_s=1, told_s=int(is_told))
-            self._seen[progress.route_id] = self._seen[progress.route_id].plus(second)
+            seen = self._seen[progress.route_id]
+            seen.on_route_s += 1
+            seen.told_s += is_told
         minute = arrivals.t_ns // EVERY_NS
         if is_told and minute != self._minute:
             self._minute = minute
@@ -73,7 +88,7 @@ class Promises:
         elif event.kind != "departed" or key != self._standing:
             # a departure tells of an arrival only where the trip begins: nobody saw it come
             if event.kind != "departed":
-                self._seen[event.route_id] = self._seen[event.route_id].plus(Sums(arrivals=1))
+                self._seen[event.route_id].arrivals += 1
             self._end(key, event.route_id, event.t_ns)
         self._standing = key if event.kind == "arrived" else None
 
@@ -81,15 +96,21 @@ class Promises:
         """What has been scored since the last time, at a whole minute or at the end."""
         self._give_up(t_ns)
         scored = [
-            Scored(t_ns=t_ns, route_id=route_id, sums=sums_of(self._came[route_id]).plus(seen))
-            for route_id, seen in ((each, self._seen[each]) for each in self._routes())
+            Scored(t_ns=t_ns, route_id=route_id, sums=self._sums(route_id))
+            for route_id in sorted({*self._came, *self._seen})
         ]
         self._came.clear()
         self._seen.clear()
         return scored
 
-    def _routes(self) -> list[str]:
-        return sorted({*self._came, *self._seen})
+    def _sums(self, route_id: str) -> Sums:
+        seen = self._seen[route_id]
+        return msgspec.structs.replace(
+            sums_of(self._came[route_id]),
+            arrivals=seen.arrivals,
+            on_route_s=seen.on_route_s,
+            told_s=seen.told_s,
+        )
 
     def _promise(self, arrivals: Arrivals) -> None:
         for stop in arrivals.stops:
@@ -98,6 +119,7 @@ class Promises:
                 instants_ns = stop.arrival_ns, stop.early_ns, stop.late_ns
                 promise = Promise(arrivals.route_id, arrivals.t_ns, *instants_ns)
                 self._made.setdefault(key, []).append(promise)
+                self._overdue_ns = min(self._overdue_ns, promise.arrival_ns + OVERDUE_NS)
         self._forget(sum(map(len, self._made.values())) - PROMISES_MAX)
 
     def _forget(self, too_many: int) -> None:
@@ -113,11 +135,15 @@ class Promises:
 
     def _give_up(self, t_ns: int) -> None:
         """What is long overdue never comes."""
+        if t_ns <= self._overdue_ns:
+            return
         for made in self._made.values():
             for promise in made:
                 if promise.arrival_ns + OVERDUE_NS < t_ns:
                     self._came[promise.route_id].append(promise.came(None))
         self._keep(lambda each: each.arrival_ns + OVERDUE_NS >= t_ns)
+        left_ns = (each.arrival_ns for made in self._made.values() for each in made)
+        self._overdue_ns = min(left_ns, default=NEVER_NS - OVERDUE_NS) + OVERDUE_NS
 
     def _keep(self, stays: Callable[[Promise], bool]) -> None:
         kept = {key: list(filter(stays, made)) for key, made in self._made.items()}

@@ -171,7 +171,7 @@ class RouteFollower:
         if told_mps is not None:
             standing, moving = self._tuning.eta_standing_mps, self._tuning.eta_moving_mps
             moves = True if told_mps >= moving else False if told_mps < standing else None
-        along.report(pose.t_ns, place.total_m, place.along_std_m, moves=moves)
+        along.report(pose.t_ns, place.total_m, place.along_std_m, moves=moves, speed_mps=told_mps)
         return along
 
     def _hold(self, before: Along | None, now: Along) -> None:

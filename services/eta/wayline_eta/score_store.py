@@ -12,20 +12,22 @@ MINUTES_KEPT_NS = 7 * DAY_NS
 """Before the newest."""
 
 
-def add_scored(connection: sa.Connection, vehicle_id: str, scored: Scored) -> None:
-    """Add a minute to its day, unless that holds it already."""
+def add_scored(connection: sa.Connection, vehicle_id: str, scored: Scored) -> ScoredDay:
+    """Add a minute to its day, unless that holds it already; the whole day then."""
     minute = {"vehicle_id": vehicle_id, "t_ns": scored.t_ns, "route_id": scored.route_id}
-    added = new_row(connection, SCORED_MINUTES).returning(SCORED_MINUTES.c.t_ns)
-    if connection.execute(added, minute).first() is None:
-        return
     day = {"route_id": scored.route_id, "day": day_of(scored.t_ns)}
     empty = {**day, "sums": msgspec.json.encode(Sums())}
+    added = new_row(connection, SCORED_MINUTES).returning(SCORED_MINUTES.c.t_ns)
+    is_new = connection.execute(added, minute).first() is not None
     connection.execute(new_row(connection, SCORED_DAYS), empty)
     is_day = sa.and_(*(SCORED_DAYS.c[name] == value for name, value in day.items()))
     query = sa.select(SCORED_DAYS.c.sums).where(is_day).with_for_update()
-    before = msgspec.json.decode(connection.execute(query).scalar_one(), type=Sums)
-    after = msgspec.json.encode(before.plus(scored.sums))
-    connection.execute(sa.update(SCORED_DAYS).where(is_day).values(sums=after))
+    sums = msgspec.json.decode(connection.execute(query).scalar_one(), type=Sums)
+    if is_new:
+        sums = sums.plus(scored.sums)
+        after = msgspec.json.encode(sums)
+        connection.execute(sa.update(SCORED_DAYS).where(is_day).values(sums=after))
+    return ScoredDay(day_of(scored.t_ns), scored.route_id, sums)
 
 
 def scored_days(connection: sa.Connection) -> list[ScoredDay]:

@@ -34,19 +34,20 @@ class EtaTables:
         self._saved = 0
 
     def save(self, vehicle_id: str, record: Record) -> Sequence[msgspec.Struct]:
-        """Keep what was learned; there is no answer."""
+        """Keep what was learned; of scores the whole day's are answered."""
+        known: list[msgspec.Struct] = []
         with write_transaction(self._engine) as connection:
             match record:
                 case Learned():
                     _add_learned(connection, vehicle_id, record)
                 case Scored():
-                    add_scored(connection, vehicle_id, record)
+                    known = [add_scored(connection, vehicle_id, record)]
                 case _:
                     raise TypeError(f"eta keeps no {type(record).__name__}")
         self._saved += 1
         if self._saved % PRUNED_EVERY == 0:
             self._delete_old()
-        return ()
+        return known
 
     def look(self) -> Sequence[msgspec.Struct]:
         """Everything that is kept, oldest first, once."""
@@ -97,7 +98,7 @@ class EtaStore:
         self._tables, self._vehicle_id = tables, vehicle_id
 
     def save(self, record: Record) -> Sequence[msgspec.Struct]:
-        """Keep what was learned; there is no answer."""
+        """Keep what was learned; of scores the whole day's are answered."""
         return self._tables.save(self._vehicle_id, record)
 
 

@@ -92,5 +92,7 @@ def before_the_fork(
     told: Sequence[StopArrival], rivals: Sequence[Route]
 ) -> tuple[StopArrival, ...]:
     """The arrivals up to the first stop that a rival line does not serve."""
+    if not rivals:
+        return tuple(told)
     served = [{stop.stop_id for stop in route.stops} for route in rivals]
     return tuple(takewhile(lambda stop: all(stop.stop_id in each for each in served), told))

@@ -42,14 +42,14 @@ def build(settings: Settings, options: Namespace) -> Service:
     where = Tables(settings.database_url, "wayline_slope_map", SlopeTables)
     store = SmoothingWorker(PatientStore(where, settings, learn))
     store.hand_over()
-    # with one route a vehicle's road is that route; else the map finds the road itself
-    if len(routes) == 1:
-        (route,) = routes
+    for route in routes:
         roads.follow(route.line, route.route_id, loop=route.loop, bin_m=settings.tuning.map_bin_m)
+    assigned = {each.vehicle_id: each.route_id for each in settings.assignment}
 
     def make_node(vehicle_id: str, source: str) -> Node:
         del source
-        core = SlopeMapCore(roads, settings.tuning, vehicle_id, settings.vehicle)
+        route_id = assigned.get(vehicle_id)
+        core = SlopeMapCore(roads, settings.tuning, vehicle_id, settings.vehicle, route_id)
         return Node(NAME, core, Teaching(store, roads))
 
     return Service(

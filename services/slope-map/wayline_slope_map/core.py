@@ -12,10 +12,10 @@ from wayline.gps_quality import altitude_std_m, has_altitude
 from wayline.inputs import Flush, Tick
 from wayline.matching.matcher import Matcher
 from wayline.matching.transition import Moves
-from wayline.messages import Barometer, GpsFix, Horizon, Message, Odometer, Pose, Torque
+from wayline.messages import Barometer, GpsFix, Horizon, Message, Odometer, Pose, Progress, Torque
 from wayline.tuning import Tuning
 from wayline.vertical.engine import Engine
-from wayline_slope_map.known_roads import KnownRoads
+from wayline_slope_map.known_roads import KnownRoads, RoadsOfVehicle
 from wayline_slope_map.matching import CHANGE_COST, SPACING_M, Match, carried_on
 from wayline_slope_map.profile import lookahead
 from wayline_slope_map.records import RoadLearned
@@ -40,21 +40,28 @@ LOST_AFTER_M = 150.0
 class SlopeMapCore:
     """Reads poses and the altimeters of one vehicle; gives `horizon` and finished runs.
 
-    `roads` are those known so far; `RoadLearned` inputs bring them up to date.
+    `roads` are those known so far; `RoadLearned` inputs bring them up to date. Of several routes
+    the vehicle's is the one assigned to it, else the one that `progress` tells.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset(
-        {Pose, GpsFix, Barometer, Torque, Odometer}
+        {Pose, GpsFix, Barometer, Torque, Odometer, Progress}
     )
     period_ns: ClassVar[int | None] = SECOND_NS
 
     def __init__(
-        self, roads: KnownRoads, tuning: Tuning, vehicle_id: str, vehicle: Vehicle = CAR
+        self,
+        roads: KnownRoads,
+        tuning: Tuning,
+        vehicle_id: str,
+        vehicle: Vehicle = CAR,
+        route_id: str | None = None,
     ) -> None:
         self._roads, self._tuning, self._vehicle_id = roads, tuning, vehicle_id
         self._engine = Engine(vehicle, tuning)
         self._track = Track()
-        self._matcher = Matcher(roads, jump_cost=CHANGE_COST)
+        self._network = RoadsOfVehicle(roads, route_id)
+        self._matcher = Matcher(self._network, jump_cost=CHANGE_COST)
         self._pose: Pose | None = None
         self._driving: Pose | None = None
         """The last pose that was well ahead of the one kept here before."""
@@ -76,6 +83,8 @@ class SlopeMapCore:
             case Torque():
                 if slope := self._engine.torque(message):
                     self._track.own_slopes.append(slope)
+            case Progress():
+                self._network.follow(message.route_id if message.on_route else None)
             case Tick() if message.t_ns % SECOND_NS == 0:
                 return self._look_ahead(message)
             case Flush():

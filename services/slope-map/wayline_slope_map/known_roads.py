@@ -15,13 +15,13 @@ class KnownRoads:
     def __init__(self, profiles: Iterable[RoadProfile] = ()) -> None:
         self._profiles: dict[str, RoadProfile] = {}
         self._index = RoadIndex()
-        self.route_id: str | None = None
-        """The route that every vehicle follows, where there is one."""
+        self._route_ids: list[str] = []
+        """Of the routes that vehicles follow."""
         for profile in profiles:
             self.learn(profile)
 
     def follow(self, route: Line, route_id: str, *, loop: bool, bin_m: float) -> None:
-        """Let a route's line be the road wherever a vehicle follows it.
+        """Let a route's line be the road of the vehicles that follow it.
 
         Raises InputError if the line is not the one that is known by the route's id.
         """
@@ -30,17 +30,18 @@ class KnownRoads:
             check_same_route(self._profiles[route_id].road, road)
         else:
             self.learn(RoadProfile(road, {}))
-        self.route_id = route_id
+        self._route_ids.append(route_id)
 
     def learn(self, profile: RoadProfile) -> None:
         """Take a road as it is known from now on.
 
-        Raises InputError if it is the route's and its line another: the database was away when
+        Raises InputError if it is a route's and its line another: the database was away when
         the route was first followed.
         """
-        if profile.road.road_id == self.route_id:
-            check_same_route(profile.road, self._profiles[self.route_id].road)
-        self._profiles[profile.road.road_id] = profile
+        road_id = profile.road.road_id
+        if road_id in self._route_ids:
+            check_same_route(profile.road, self._profiles[road_id].road)
+        self._profiles[road_id] = profile
         self._index.add(profile.road)
 
     def profile(self, road_id: str) -> RoadProfile:
@@ -51,10 +52,16 @@ class KnownRoads:
         """Every road by its id."""
         return {road_id: profile.road for road_id, profile in self._profiles.items()}
 
-    def near(self, sight: Sight) -> Sequence[Candidate]:
-        """Every road point near a place; where that route is, no other road counts."""
+    def near(self, sight: Sight, route_id: str | None = None) -> Sequence[Candidate]:
+        """Every road point near a place of a vehicle, which may follow a route.
+
+        Its route goes before other roads; the routes of others are no roads of its own.
+        """
+        own_id = route_id or (self._route_ids[0] if len(self._route_ids) == 1 else None)
         found = self._index.near(sight)
-        return [each for each in found if each.edge_id == self.route_id] or found
+        others = {each for each in self._route_ids if each != own_id}
+        own = [each for each in found if each.edge_id == own_id]
+        return own or [each for each in found if each.edge_id not in others]
 
     def first(self, candidates: Sequence[Candidate]) -> Sequence[First]:
         """Where they are; nothing speaks against any."""
@@ -63,3 +70,27 @@ class KnownRoads:
     def advance_m(self, earlier: Candidate, later: Candidate, about_m: float) -> float | None:
         """Along one road in one direction; None where that is not one road."""
         return self._index.advance_m(earlier, later, about_m)
+
+
+class RoadsOfVehicle:
+    """The known roads as the network of one vehicle, of which it may be known what it follows."""
+
+    def __init__(self, roads: KnownRoads, route_id: str | None = None) -> None:
+        self._roads, self._assigned_id = roads, route_id
+        self._followed_id = route_id
+
+    def follow(self, route_id: str | None) -> None:
+        """Take what the vehicle is seen to follow, unless that was assigned."""
+        self._followed_id = self._assigned_id or route_id
+
+    def near(self, sight: Sight) -> Sequence[Candidate]:
+        """Every road point near a place that the vehicle may be on."""
+        return self._roads.near(sight, self._followed_id)
+
+    def first(self, candidates: Sequence[Candidate]) -> Sequence[First]:
+        """Where they are; nothing speaks against any."""
+        return self._roads.first(candidates)
+
+    def advance_m(self, earlier: Candidate, later: Candidate, about_m: float) -> float | None:
+        """Along one road in one direction; None where that is not one road."""
+        return self._roads.advance_m(earlier, later, about_m)

@@ -17,5 +17,6 @@ def node(replay: ReplayedDrive) -> Node:
     roads = KnownRoads(store.load_roads())
     for route in replay.routes:
         roads.follow(route.line, route.route_id, loop=route.loop, bin_m=drive.tuning.map_bin_m)
-    core = SlopeMapCore(roads, drive.tuning, drive.drive.vehicle_id, drive.vehicle)
+    route_id = drive.assignment.route_id if drive.assignment else None
+    core = SlopeMapCore(roads, drive.tuning, drive.drive.vehicle_id, drive.vehicle, route_id)
     return Node("slope-map", core, store)

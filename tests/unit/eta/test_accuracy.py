@@ -19,7 +19,7 @@ from wayline_eta.board import EtaBoard
 from wayline_eta.core import eta_node
 from wayline_eta.lessons import lessons_by
 from wayline_eta.promises import PROMISES_MAX, Promises
-from wayline_eta.records import SCORED_DAYS_MAX, Scored
+from wayline_eta.records import SCORED_DAYS_MAX, Scored, ScoredDay
 from wayline_eta.scores import Prediction, Sums, added, score_of, sums_of
 from wayline_eta.store import EtaTables
 
@@ -186,13 +186,22 @@ def test_days_long_ago_are_forgotten() -> None:
 def test_scores_are_kept_and_a_minute_counts_once(database_url: str) -> None:
     engine = open_database(database_url, "wayline_eta")
     tables = EtaTables(engine)
-    for minute in (a_minute(START_NS), a_minute(START_NS), a_minute(START_NS + MINUTE_NS)):
-        tables.save("bus-1", minute)
-    tables.save("bus-2", a_minute(START_NS))
+    running = Accuracy()
+    for vehicle_id, minute in (
+        ("bus-1", a_minute(START_NS)),
+        ("bus-1", a_minute(START_NS)),
+        ("bus-1", a_minute(START_NS + MINUTE_NS)),
+        ("bus-2", a_minute(START_NS)),
+    ):
+        running.take(minute)
+        for known in tables.save(vehicle_id, minute):
+            assert isinstance(known, ScoredDay)
+            running.take(known)
+    assert running.answer(AccuracyParameters()).predictions == 3
     accuracy = Accuracy()
     anew = lessons_by((), accuracy.take)
-    for kept in EtaTables(engine).look():
-        anew.remember(kept)
+    for kept in [*EtaTables(engine).look(), *EtaTables(engine).look()]:
+        anew.remember(kept)  # the second time as when the database was away
     engine.dispose()
     assert accuracy.answer(AccuracyParameters()).predictions == 3
 

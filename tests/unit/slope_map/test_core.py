@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 from unit.slope_map.hilly_road import (
+    LAT_DEG,
+    LON_DEG,
     SECOND_NS,
     START_NS,
     bending_east,
@@ -18,7 +20,7 @@ from unit.slope_map.hilly_road import (
 from wayline.core import Sleep
 from wayline.inputs import Flush, Tick
 from wayline.line import Line
-from wayline.messages import Horizon, Pose
+from wayline.messages import Horizon, Pose, Progress
 from wayline.tuning import Tuning
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.known_roads import KnownRoads
@@ -357,3 +359,41 @@ def test_what_one_vehicle_taught_lies_on_the_horizon_of_another(first_run: Finis
     teaching.handle(RoadLearned(profile_of(first_run)), "slope-map")
     later = drive(seed=9, length_m=500.0, start_ns=START_NS + DAY_NS)
     assert horizons(other, later)[-1].road_id == first_run.road.road_id
+
+
+@pytest.mark.parametrize(
+    ("assigned", "followed", "is_on_route", "expected"),
+    [
+        pytest.param("8", None, True, "8", id="assigned"),
+        pytest.param(None, "7", True, "7", id="seen to follow it"),
+        pytest.param("8", "7", True, "8", id="assigned goes before seen"),
+        pytest.param(None, "7", False, "road-", id="has left it"),
+        pytest.param(None, None, True, "road-", id="nobody knows"),
+    ],
+)
+def test_of_several_routes_a_road_is_the_one_that_its_vehicle_follows(
+    assigned: str | None, followed: str | None, is_on_route: bool, expected: str
+) -> None:
+    (run,) = runs_of(core(), drive(seed=1, length_m=1_000.0))
+    line, roads = Line(*np.array(run.road.points).T), KnownRoads()
+    for route_id in ("7", "8"):
+        roads.follow(line, route_id, loop=False, bin_m=20.0)
+    follower = SlopeMapCore(roads, Tuning(), "bus", route_id=assigned)
+    if followed is not None:
+        follower.handle(progress_on(followed, on_route=is_on_route), "eta")
+    (driven,) = runs_of(follower, drive(seed=2, length_m=1_000.0))
+    assert driven.road.road_id.startswith(expected)
+
+
+def progress_on(route_id: str, *, on_route: bool) -> Progress:
+    return Progress(
+        t_ns=START_NS,
+        route_id=route_id,
+        distance_m=0.0,
+        lat_deg=LAT_DEG,
+        lon_deg=LON_DEG,
+        cross_track_m=0.0,
+        distance_std_m=5.0,
+        on_route=on_route,
+        speed_mps=0.0,
+    )

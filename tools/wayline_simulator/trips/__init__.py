@@ -1,0 +1,1 @@
+"""Many trips of a few vehicles that carry a receiver and nothing else, as papers/003 had them."""
