@@ -13,11 +13,14 @@ from wayline.keys import FLEET
 from wayline.spool import Waiting
 from wayline_history.chunk import Chunk
 from wayline_history.housekeeping import Housekeeping, Limits
-from wayline_history.layouts import US
+from wayline_history.layouts import SOURCE, US
 from wayline_history.losses import Losses
+from wayline_history.points import shown
 from wayline_history.reading import HistoryReader
 from wayline_history.records import Event, Piece
+from wayline_history.samples import fix_of
 from wayline_history.store import HistoryStore
+from wayline_history.travelled import SourcedFix
 from wayline_history.trip_cutter import SILENCE_NS
 
 GAP_NS = 5_000_000_000
@@ -35,6 +38,7 @@ class UnderWay(NamedTuple):
 
     rows: Sequence[Sequence[int]] = ()
     """Of its poses."""
+    fixes: Sequence[SourcedFix] = ()
     refused_ns: Sequence[int] = ()
     """When measurements were refused."""
 
@@ -95,8 +99,14 @@ class HistoryTables:
             if rows and row[0] - rows[-1][0] > SILENCE_NS // US:
                 rows = []
             rows.append(row)
-        refused = _rows(self._reader.rows(vehicle_id, "refused", rows[0][0] * US, span[1]))
-        return UnderWay(rows, [row[0] * US for row in refused])
+        since = rows[0][0] * US, span[1] + US
+        fixes = [
+            SourcedFix(source, fix_of(row))
+            for chunk in self._reader.rows(vehicle_id, "raw", *since)
+            for source, row in zip(shown(chunk, SOURCE), chunk.values.tolist(), strict=True)
+        ]
+        refused = _rows(self._reader.rows(vehicle_id, "refused", *since))
+        return UnderWay(rows, fixes, [row[0] * US for row in refused])
 
     def _keep(self, records: Sequence[tuple[str, Record]]) -> None:
         alive_ns = told_ns()

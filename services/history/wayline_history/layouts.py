@@ -118,9 +118,13 @@ FIXES = Layout(
         Column("course_deg", 100.0),
         Column("fix", words=get_args(FixKind)),
         Column("mode"),
+        Column("speed_derived"),
         Column("satellites"),
         Column("hdop", 100.0),
+        Column("pdop", 100.0),
         Column("h_std_m", 100.0),
+        Column("speed_std_mps", 100.0),
+        Column("repeat"),
         Column(SOURCE, is_text=True, is_apart=True),
     ),
 )

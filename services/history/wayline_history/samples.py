@@ -1,11 +1,11 @@
-"""Pure: a pose as trips see it: read back from its row, so that live and from the store agree."""
+"""Pure: poses and fixes as trips see them: as kept, so that live and from the store agree."""
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from wayline.messages import PoseMode
-from wayline_history.layouts import ENGINE, NULL, POSES, US
+from wayline.messages import FixKind, GpsFix, PoseMode
+from wayline_history.layouts import ENGINE, FIXES, NULL, POSES, US
 
 
 class Sample(NamedTuple):
@@ -28,7 +28,15 @@ class Sample(NamedTuple):
 
 _PLACES = {column.name: place for place, column in enumerate(POSES.columns)}
 _PER_UNIT = {column.name: column.per_unit for column in POSES.columns}
+_FIX_KIND = FIXES.place("fix")
+_KINDS = FIXES.columns[_FIX_KIND].words
 _MODES = POSES.columns[_PLACES["mode"]].words
+_OF_FIX = {
+    column.name: (place, column.per_unit)
+    for place, column in enumerate(FIXES.columns)
+    if place and not column.is_text and not column.words
+}
+_TRUE_OR_FALSE = ("speed_derived", "repeat")
 UNPLACED: frozenset[PoseMode] = frozenset({"starting", "lost"})
 
 
@@ -52,6 +60,18 @@ def sample_of(row: Sequence[int]) -> Sample | None:
         mode=mode,
         is_engine_off=row[_PLACES[ENGINE]] == 0,
     )
+
+
+def fix_of(row: Sequence[int]) -> GpsFix:
+    """The fix of a row of `FIXES`, as far as it was kept."""
+    known: dict[str, Any] = {
+        name: row[place] if per_unit == 1.0 else row[place] / per_unit
+        for name, (place, per_unit) in _OF_FIX.items()
+        if row[place] != NULL
+    }
+    known |= {name: bool(known[name]) for name in _TRUE_OR_FALSE}
+    fix: FixKind = _KINDS[row[_FIX_KIND]]  # type: ignore[assignment]
+    return GpsFix(t_ns=row[0] * US, valid=not known["repeat"], fix=fix, **known)
 
 
 def _unit(row: Sequence[int], name: str) -> float | None:

@@ -9,7 +9,7 @@ from wayline.geo import step_between
 from wayline.messages import LIST_MAX, SPEED_MAX_MPS, Trip, TripStop
 from wayline_history.climb import Climb
 from wayline_history.samples import Sample
-from wayline_history.travelled import Travelled
+from wayline_history.travelled import SourcedFix, Travelled, honest
 
 PARK_NS = 300_000_000_000
 """A vehicle that stands so long has arrived; queues and lights are shorter."""
@@ -20,6 +20,7 @@ SILENCE_NS = 300_000_000_000
 TRIP_MIN_M = 100.0
 """One that never was so far from its start was shunted, or only its position wandered."""
 EXTENT_SIGMAS = 3.0
+RECENT_NS = 60_000_000_000
 FAR_M = 1_000.0
 """How much farther than this it was changes nothing."""
 MOVES_MPS = 1.0
@@ -51,7 +52,7 @@ class _OpenTrip:
 
     start: Sample
     last: Sample
-    travelled: Travelled = field(default_factory=Travelled)
+    travelled: Travelled
     climb: Climb = field(default_factory=Climb)
     moving_ns: int = 0
     max_speed_mps: float = 0.0
@@ -66,7 +67,6 @@ class _OpenTrip:
         if stand is not None:
             self.outage_ns += stand.outage_ns
             self._stop(stand, sample)
-        self.travelled.add(self.last if stand is None else stand.first, sample)
         self.climb.take(sample.t_ns, sample.alt_m, sample.alt_std_m)
         self.moving_ns += sample.t_ns - self.last.t_ns
         speed_mps = min(abs(sample.speed_mps or 0.0), SPEED_MAX_MPS)
@@ -118,6 +118,8 @@ class TripCutter:
         self._open: _OpenTrip | None = None
         self._refused_ns: deque[int] = deque()
         """When measurements were refused that may be of the trip under way, or of the next."""
+        self._fixes: deque[SourcedFix] = deque()
+        """The newest, which may be of the next trip."""
         self._was_lost = False
         """Since the sample before nobody knew where it was."""
 
@@ -125,6 +127,14 @@ class TripCutter:
     def is_open(self) -> bool:
         """Whether a trip is under way, of which time alone may be the end."""
         return self._open is not None
+
+    def fix(self, sourced: SourcedFix) -> None:
+        """A fix of a receiver, in any order."""
+        self._fixes.append(sourced)
+        while sourced.fix.t_ns - self._fixes[0].fix.t_ns > RECENT_NS:
+            self._fixes.popleft()
+        if self._open is not None:
+            self._open.travelled.fix(sourced)
 
     def refuse(self, t_ns: int) -> None:
         """A measurement of an instant was refused."""
@@ -167,12 +177,15 @@ class TripCutter:
         if self._open is None:
             if not is_moving:
                 return
-            self._open = _OpenTrip(before, before)
+            self._open = _OpenTrip(before, before, Travelled(before, list(self._fixes)))
             self._open.climb.take(before.t_ns, before.alt_m, before.alt_std_m)
         if self._was_lost or sample.mode == "dead_reckoning":
             self._open.miss(sample.t_ns - before.t_ns)
+        if sample is not before:
+            self._open.travelled.pose(sample)
         if is_moving:
             self._open.drive(sample)
+            self._open.travelled.measure(sample.t_ns)
         else:
             self._open.rest(sample)
         self._open.last = sample
@@ -198,7 +211,7 @@ class TripCutter:
         unsure_m = EXTENT_SIGMAS * max(start.position_std_m, end.position_std_m)
         if trip.extent_m < max(TRIP_MIN_M, unsure_m):
             return None
-        distance_m, distance_std_m = trip.travelled.known
+        distance_m, distance_std_m = honest(trip.travelled.way_to(end.t_ns))
         climb_m, climb_std_m = trip.climb.known
         return Trip(
             t_ns=end.t_ns,
