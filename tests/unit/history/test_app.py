@@ -12,7 +12,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from builders import at, fix
-from unit.history.driven import LAT_DEG, LON_DEG, VEHICLE, legs, pose
+from unit.history.driven import LAT_DEG, LON_DEG, METRES_PER_DEGREE, VEHICLE, legs, pose
 from unit.history.keeping import History
 from wayline.gpx import read_gpx
 from wayline.http_settings import HttpSettings
@@ -156,6 +156,8 @@ def test_trips_and_one_trip(http: TestClient) -> None:
     (trip,) = asked(http, f"/v1/vehicles/{VEHICLE}/trips")["trips"]
     assert (trip["vehicle_id"], trip["started"]) == (VEHICLE, rfc3339(at(59)))
     assert trip["under_way"] is False
+    assert trip["start_lon_deg"] == pytest.approx(LON_DEG, abs=1e-7)
+    assert trip["end_lon_deg"] == pytest.approx(LON_DEG + 1990.0 / METRES_PER_DEGREE, abs=1e-6)
     assert trip["stops"] == [
         {"started": rfc3339(at(160)), "dwell_s": 40.0, "lat_deg": LAT_DEG,
          "lon_deg": pytest.approx(LON_DEG, abs=0.1)},
