@@ -34,6 +34,8 @@ class Column(NamedTuple):
     """Where it is one of a few words: these; the row holds which."""
     is_text: bool = False
     """Where it is free text: the row holds its number among the texts beside it."""
+    is_flag: bool = False
+    """0 or 1 for false or true."""
     is_apart: bool = False
     """Rows of one instant that differ in it are several."""
 
@@ -118,13 +120,13 @@ FIXES = Layout(
         Column("course_deg", 100.0),
         Column("fix", words=get_args(FixKind)),
         Column("mode"),
-        Column("speed_derived"),
+        Column("speed_derived", is_flag=True),
         Column("satellites"),
         Column("hdop", 100.0),
         Column("pdop", 100.0),
         Column("h_std_m", 100.0),
         Column("speed_std_mps", 100.0),
-        Column("repeat"),
+        Column("repeat", is_flag=True),
         Column(SOURCE, is_text=True, is_apart=True),
     ),
 )
@@ -140,7 +142,7 @@ PROGRESSES = Layout(
         Column("lap"),
         Column("cross_track_m", 100.0),
         Column("distance_std_m", 100.0),
-        Column("on_route"),
+        Column("on_route", is_flag=True),
         Column("speed_mps", 100.0),
         Column("direction_id"),
         Column("delay_s", 10.0),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from wayline.messages import FixKind, GpsFix, PoseMode
-from wayline_history.layouts import ENGINE, FIXES, NULL, POSES, US
+from wayline_history.layouts import ENGINE, FIXES, NULL, POSES, US, Column
 
 
 class Sample(NamedTuple):
@@ -32,11 +32,10 @@ _FIX_KIND = FIXES.place("fix")
 _KINDS = FIXES.columns[_FIX_KIND].words
 _MODES = POSES.columns[_PLACES["mode"]].words
 _OF_FIX = {
-    column.name: (place, column.per_unit)
+    column.name: (place, column)
     for place, column in enumerate(FIXES.columns)
     if place and not column.is_text and not column.words
 }
-_TRUE_OR_FALSE = ("speed_derived", "repeat")
 UNPLACED: frozenset[PoseMode] = frozenset({"starting", "lost"})
 
 
@@ -65,13 +64,18 @@ def sample_of(row: Sequence[int]) -> Sample | None:
 def fix_of(row: Sequence[int]) -> GpsFix:
     """The fix of a row of `FIXES`, as far as it was kept."""
     known: dict[str, Any] = {
-        name: row[place] if per_unit == 1.0 else row[place] / per_unit
-        for name, (place, per_unit) in _OF_FIX.items()
+        name: _told(row[place], column)
+        for name, (place, column) in _OF_FIX.items()
         if row[place] != NULL
     }
-    known |= {name: bool(known[name]) for name in _TRUE_OR_FALSE}
     fix: FixKind = _KINDS[row[_FIX_KIND]]  # type: ignore[assignment]
     return GpsFix(t_ns=row[0] * US, valid=not known["repeat"], fix=fix, **known)
+
+
+def _told(steps: int, column: Column) -> float | bool:
+    if column.is_flag:
+        return bool(steps)
+    return steps if column.per_unit == 1.0 else steps / column.per_unit
 
 
 def _unit(row: Sequence[int], name: str) -> float | None:
