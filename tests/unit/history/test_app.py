@@ -211,6 +211,12 @@ def test_a_vehicle_that_nobody_knows_is_said_to_be_so(http: TestClient, path: st
     assert "bus-99" in answer.json()["detail"]
 
 
+@pytest.mark.parametrize("name", ["%00", "Bus%207", "%C3%A9", "_fleet"])
+def test_a_name_that_is_none_is_not_known(http: TestClient, name: str) -> None:
+    assert http.get(f"/v1/vehicles/{name}/trips").status_code == 404
+    assert http.get(f"/v1/vehicle-trips/{name}").status_code == 404
+
+
 def test_an_unknown_form_is_a_problem(http: TestClient) -> None:
     assert http.get(f"{TRACK}.kml", params=FROM_START).status_code == 422
 
