@@ -87,7 +87,7 @@ _ROWS = (
     ServiceRow(
         "history",
         8006,
-        ("fastapi", "sqlalchemy", "alembic"),
+        ("fastapi", "scipy", "sqlalchemy", "alembic"),
         Replayed.AS_NODE,
         tables=Tables(lost_without=None),
         shows="history",

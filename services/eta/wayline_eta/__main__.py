@@ -4,6 +4,7 @@ import datetime as dt
 import sys
 from argparse import Namespace
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from fastapi import FastAPI
@@ -31,6 +32,7 @@ from wayline_eta.app import create_eta_app
 from wayline_eta.board import EtaBoard, answer_arrivals
 from wayline_eta.core import assigned_routes, eta_node
 from wayline_eta.lessons import Lessons, lessons_by
+from wayline_eta.sightings import LeftOut
 from wayline_eta.store import EtaTables
 from wayline_eta.timetable_core import timetable_node
 
@@ -46,9 +48,10 @@ def build(settings: Settings, options: Namespace) -> Service:
     lessons = lessons_by(timetables, accuracy.take)
     store = None
     if settings.database_url is not None:
-        where = Tables(settings.database_url, "wayline_eta", EtaTables)
+        where = Tables(settings.database_url, "wayline_eta", partial(EtaTables, zone=lessons.zone))
         store = PatientStore(where, settings, lessons.remember)
-    make_node = _make_node(settings, routes, timetables, lessons, store)
+    left_out = LeftOut()
+    make_node = _make_node(settings, routes, timetables, lessons, store, left_out=left_out)
     board = EtaBoard()
 
     def make_app(healthz: Callable[[], Healthz], telemetry: Telemetry) -> FastAPI:
@@ -75,6 +78,7 @@ def build(settings: Settings, options: Namespace) -> Service:
                 board, vehicle_id, parameters
             )
         },
+        bad_input=lambda: left_out.count,
         notice=lambda: ended_line(timetables, _today()),
     )
 
@@ -95,6 +99,8 @@ def _make_node(
     timetables: Sequence[Timetable],
     lessons: Lessons,
     store: PatientStore[EtaTables] | None,
+    *,
+    left_out: LeftOut,
 ) -> MakeNode:
     """Cores on the configured timetables, of vehicles that no route is assigned to, or routes."""
     tuning = settings.tuning
@@ -108,8 +114,10 @@ def _make_node(
         route_id = named.get(vehicle_id)
         kept = None if store is None else store.of(vehicle_id)
         if not timetables or route_id in of_routes:
-            return eta_node(assigned_routes(routes, route_id), tuning, lessons, kept)
-        return timetable_node(runs, tuning, assigned.get(vehicle_id), lessons, kept)
+            on = assigned_routes(routes, route_id)
+            return eta_node(on, tuning, lessons, kept, left_out=left_out)
+        name = assigned.get(vehicle_id)
+        return timetable_node(runs, tuning, name, lessons, kept, left_out=left_out)
 
     return make
 

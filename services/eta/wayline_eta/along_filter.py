@@ -25,7 +25,7 @@ PACE_STD = 0.12
 PACE_WALK = 0.015
 """Of its change from one report to the next."""
 PACE_MIN, PACE_MAX = 0.3, 2.5
-EXTRA_STD_S, EXTRA_UNTOLD_STD_S, EXTRA_WALK_S = 3.0, 8.0, 0.7
+EXTRA_STD_S, EXTRA_UNTOLD_STD_S, EXTRA_WALK_S = 3.0, 10.0, 1.2
 """Of the vehicle's usual dwell beyond the planned one, or beyond what is taken for it where no
 dwell is planned, before it is known; of its change."""
 EXTRA_MIN_S, EXTRA_MAX_S = -60.0, 90.0
@@ -39,8 +39,8 @@ PLACE_STD_M = 5.0
 """Lines, stops and antennas are off by so much besides a report's own error."""
 SPEED_STD_MPS, SPEED_STD_SHARE = 0.7, 0.05
 """Of a reported speed, some of which are a second or two off their time."""
-SPEED_GAIN, SPEED_RATIO_MAX = 0.8, 2.0
-"""So much of what it differs by is a leg's own speed, the ratio being at most the other."""
+SPEED_RATIO_MAX = 2.0
+"""What a reported speed differs by is a leg's own, up to so many times."""
 RATE_STD = 0.04
 """Of the logarithm of a leg's pace from one report to the next."""
 CONTRADICTED = 0.002
@@ -181,7 +181,7 @@ class AlongFilter:
         rates = points.leg.rates * np.exp(RATE_STD * self._draws.normal())
         if speed_mps is not None:
             ratio = speed_mps / (rates * self._motion.motion.speeds_mps(places_m))
-            rates = rates * np.clip(ratio, 1.0 / SPEED_RATIO_MAX, SPEED_RATIO_MAX) ** SPEED_GAIN
+            rates = rates * np.clip(ratio, 1.0 / SPEED_RATIO_MAX, SPEED_RATIO_MAX)
         return self._motion.rolling(points, even, at_s, places_m, rates)
 
     def _told(self, points: Points, at_s: float) -> Along:

@@ -18,7 +18,7 @@ from wayline_eta.lessons import Expectations, Lessons, as_planned, lessons_by
 from wayline_eta.route_choice import RouteChoice
 from wayline_eta.route_follower import RouteFollower
 from wayline_eta.scoring import Scoring
-from wayline_eta.sightings import Sighting, Sightings
+from wayline_eta.sightings import LeftOut, Sighting, Sightings
 from wayline_eta.stop_events import StopEvents, of_route
 from wayline_eta.trip_arrivals import before_the_fork
 
@@ -36,10 +36,14 @@ class EtaCore:
     period_ns: ClassVar[int | None] = SECOND_NS
 
     def __init__(
-        self, routes: Sequence[Route], tuning: Tuning, lessons: Lessons | None = None
+        self,
+        routes: Sequence[Route],
+        tuning: Tuning,
+        lessons: Lessons | None = None,
+        left_out: LeftOut | None = None,
     ) -> None:
         lessons = lessons or lessons_by(())
-        self._sightings = Sightings(tuning)
+        self._sightings = Sightings(tuning, left_out)
         self._on_routes = OnRoutes(routes, tuning, self._sightings, lessons)
         self._scoring = Scoring(lessons.scored)
 
@@ -78,7 +82,10 @@ class ReferenceEtaCore:
 
 
 def make_eta_core(
-    routes: Sequence[Route], tuning: Tuning, lessons: Lessons | None = None
+    routes: Sequence[Route],
+    tuning: Tuning,
+    lessons: Lessons | None = None,
+    left_out: LeftOut | None = None,
 ) -> EtaCore | ReferenceEtaCore:
     """The core that the tuning's `route_filter` asks for.
 
@@ -86,7 +93,7 @@ def make_eta_core(
     """
     if tuning.route_filter == "avl":
         return ReferenceEtaCore(routes, tuning)
-    return EtaCore(routes, tuning, lessons)
+    return EtaCore(routes, tuning, lessons, left_out)
 
 
 def assigned_routes(routes: Sequence[Route], route_id: str | None) -> Sequence[Route]:
@@ -99,12 +106,14 @@ def eta_node(
     tuning: Tuning,
     lessons: Lessons | None = None,
     store: Store | None = None,
+    *,
+    left_out: LeftOut | None = None,
 ) -> Node:
     """A core on routes with its name, and what keeps its lessons.
 
     The poses that fusion makes of a fix come after it, and ticks wait for them.
     """
-    core = make_eta_core(routes, tuning, lessons)
+    core = make_eta_core(routes, tuning, lessons, left_out)
     return Node("eta", core, store, timeless=frozenset({GpsFix}))
 
 

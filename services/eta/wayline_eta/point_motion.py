@@ -19,9 +19,9 @@ RATE_MIN, RATE_MAX = 0.2, 4.0
 SKIPPED = 0.15
 """So many stops that may be are passed without a stand, at most SKIPPED_MAX in a row."""
 SKIPPED_MAX = 2
-HELD_UP = 0.1
+HELD_UP = 0.15
 """On the way to so many stops there is a stand before, at a light or in a queue."""
-HELD_UP_S = 15.0
+HELD_UP_S = 20.0
 """A stand between stops lasts at least about so long."""
 CLEAR_M = 30.0
 """A stand between stops is farther from both, and from where a leg begins."""

@@ -10,7 +10,7 @@ from wayline_eta.along_filter import Along, AlongFilter
 from wayline_eta.arrivals import Outlook
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.place_tracker import Place, PlaceTracker, travelled_between_m
-from wayline_eta.presence import Presence
+from wayline_eta.presence import WRONG_WAY_DEG, Presence
 from wayline_eta.stop_log import Seen
 from wayline_eta.stop_visits import StopVisits
 
@@ -43,6 +43,8 @@ class RouteFollower:
         self._speed_mps = 0.0
         self._along: AlongFilter | None = None
         """While the vehicle is followed by its reports, on the route."""
+        self._has_turned = False
+        """It drives back from the last stop, which it reached between two reports."""
         self._floor_m = 0.0
         """What was told before the last report, where that is behind it by no more than noise."""
 
@@ -64,7 +66,12 @@ class RouteFollower:
     @property
     def served_m(self) -> float:
         """Stops up to here have been arrived at."""
-        return self._visits.served_m
+        return self._last_m if self._has_turned else self._visits.served_m
+
+    @property
+    def _last_m(self) -> float:
+        stops_m = self._motion.stops_m
+        return float(stops_m[-1]) if len(stops_m) and not self.route.loop else np.inf
 
     def run_as(self, route: Route, leaves_ns: Floats | None = None) -> None:
         """Go on by another plan of the same line: other speeds, dwells and waits.
@@ -99,8 +106,16 @@ class RouteFollower:
             return None
         if self._along is None:
             stands = abs(self._speed_mps) < self._tuning.eta_standing_mps
-            return Seen(self._pose.t_ns, self._place.total_m, stands, reported=False)
+            return Seen(
+                self._pose.t_ns,
+                self._place.total_m,
+                stands,
+                reported=False,
+                speed_mps=self._speed_mps,
+            )
         along = self._along.at(self._pose.t_ns)
+        if self._has_turned:
+            return Seen(self._pose.t_ns, self._last_m, True, reported=True, stood_s=along.stood_s)
         stands = along.speed_mps == 0.0
         return Seen(self._pose.t_ns, along.total_m, stands, reported=True, stood_s=along.stood_s)
 
@@ -150,7 +165,11 @@ class RouteFollower:
             place = self._tracker.observe(pose, lat_deg, lon_deg, expected_m)
             self._speed_mps = _speed_of(self._pose, pose)
             self._presence.observe(place, self._speed_mps)
+        self._has_turned = self._turns(before, place)
         self._pose, self._place = pose, place
+        if self._has_turned:
+            self._place = place._replace(total_m=self._last_m)
+            return
         if not self._presence.on_route:
             self._along = None
             return
@@ -161,6 +180,12 @@ class RouteFollower:
         self._hold(before, along)
         self._place = place._replace(total_m=along.total_m)
         self._visits.observe(along.total_m, along.speed_mps, pose.t_ns)
+
+    def _turns(self, before: Along | None, place: Place) -> bool:
+        """Whether it drives the other way, at a time when it was to have been at the last stop."""
+        if before is None or place.turn_deg <= WRONG_WAY_DEG:
+            return False
+        return before.total_m + before.std_m >= self._last_m
 
     def _measured(self, pose: Pose, place: Place) -> AlongFilter:
         along, told_mps = self._along, pose.speed_mps
@@ -235,9 +260,10 @@ class RouteFollower:
         return Outlook(
             t_ns=at_ns,
             total_m=total_m,
-            served_m=max(self._visits.served_m, total_m),
+            served_m=self._visits.served_by(total_m, self._speed_mps),
             distance_std_m=self._place.along_std_m,
             stand=self._visits.stand(at_ns),
+            drives=self._speed_mps >= self._tuning.eta_standing_mps,
         )
 
     def _total_at(self, t_ns: int) -> float:

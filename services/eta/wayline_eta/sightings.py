@@ -40,11 +40,18 @@ class Sighting(NamedTuple):
     """Nothing is known of the way since the last one; `speed_mps` is null where it is not told."""
 
 
-class Sightings:
-    """Of one vehicle."""
+class LeftOut:
+    """Reports of places where nobody could have driven to, of all vehicles that share it."""
 
-    def __init__(self, tuning: Tuning) -> None:
-        self._tuning = tuning
+    def __init__(self) -> None:
+        self.count = 0
+
+
+class Sightings:
+    """Of one vehicle; what it does not follow it adds to `left_out`."""
+
+    def __init__(self, tuning: Tuning, left_out: LeftOut | None = None) -> None:
+        self._tuning, self._left_out = tuning, left_out or LeftOut()
         self._held: list[tuple[GpsFix, str]] = []
         self._cadences: dict[str, Cadence] = {}
         self._fix_ns: int | None = None
@@ -170,6 +177,7 @@ class Sightings:
         if not _leaps(last, report) or (leapt is not None and not _leaps(leapt, report)):
             return True
         self._leapt = report
+        self._left_out.count += 1
         return False
 
     def _std_m(self, fix: GpsFix) -> float:

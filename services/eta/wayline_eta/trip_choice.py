@@ -251,7 +251,7 @@ class TripChoice:
 
     def _choose(self, found: Iterable[Followed], misfit_of: Callable[[Followed], float]) -> None:
         """The likeliest; certain where no other line is as likely. Of none nothing changes."""
-        best = likely(found, misfit_of)
+        best = likely(found, misfit_of, self._runs.line_key)
         if not best:
             return
         kept = next((each for each in best if is_same(each.run, self._current)), best[0])

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from operator import itemgetter
 from typing import NamedTuple
 
-from wayline.timetable.runs import Run
+from wayline.timetable.runs import LineKey, Run
 from wayline_eta.route_follower import RouteFollower
 
 EARLY_S, LATE_S = 300.0, 1_800.0
@@ -59,13 +59,16 @@ def is_same(run: Run, other: Run | None) -> bool:
     return other is not None and run[:1] + run[2:4] == other[:1] + other[2:4]
 
 
-def likely(found: Iterable[Followed], misfit_of: Callable[[Followed], float]) -> list[Followed]:
+def likely(
+    found: Iterable[Followed],
+    misfit_of: Callable[[Followed], float],
+    line_of: Callable[[Run], LineKey],
+) -> list[Followed]:
     """Of every line (route and direction) all that fit nearly as well as its best, best first."""
-    best: dict[tuple[int, str, int | None], float] = {}
+    best: dict[LineKey, float] = {}
     kept: list[Followed] = []
     for misfit, each in sorted(((misfit_of(each), each) for each in found), key=itemgetter(0)):
-        (feed, _), pattern = each.run.pattern_place, each.run.pattern
-        least = best.setdefault((feed, pattern.route_id, pattern.direction_id), misfit)
+        least = best.setdefault(line_of(each.run), misfit)
         if misfit <= least + CLOSE_S:
             kept.append(each)
     return kept

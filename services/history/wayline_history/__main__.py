@@ -41,7 +41,9 @@ def build(settings: Settings, options: Namespace) -> Service:
     def make_node(vehicle_id: str, source: str) -> Node:
         del source
         trip = store.ask(lambda kept: kept.under_way(vehicle_id)) or UnderWay()
-        core = HistoryCore(vehicle_id, known=trip.rows, refused_ns=trip.refused_ns)
+        core = HistoryCore(
+            vehicle_id, known=trip.rows, known_fixes=trip.fixes, refused_ns=trip.refused_ns
+        )
         return Node(NAME, core, store.of(vehicle_id))
 
     archive = Archive(settings.database_url)

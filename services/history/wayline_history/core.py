@@ -1,6 +1,6 @@
 """Pure: one vehicle's history: which rows are kept, what happened, where a trip ends."""
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
@@ -28,11 +28,12 @@ from wayline_history.layouts import (
     PROGRESSES,
     REFUSALS,
     SOURCE,
+    US,
     Kind,
     Layout,
 )
 from wayline_history.records import Piece, Rows
-from wayline_history.samples import sample_of
+from wayline_history.samples import fix_of, sample_of
 from wayline_history.trip_cutter import TripCutter
 
 SECOND_NS = 1_000_000_000
@@ -47,8 +48,8 @@ class HistoryCore:
     """Takes what a vehicle's services publish; gives pieces for the store, and trips.
 
     `piece_ns` is how much measurement time a piece spans; `known` are the rows of poses of a trip
-    that may still be under way, as they were kept before, and `refused_ns` when measurements were
-    refused since.
+    that may still be under way, as they were kept before, `known_fixes` the fixes since its
+    beginning with their sources, and `refused_ns` when measurements were refused since.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset(
@@ -62,12 +63,12 @@ class HistoryCore:
         *,
         piece_ns: int = PIECE_NS,
         known: Iterable[Sequence[int]] = (),
+        known_fixes: Iterable[tuple[GpsFix, str]] = (),
         refused_ns: Iterable[int] = (),
     ) -> None:
         self._piece_ns = piece_ns
         self._cutter = TripCutter(vehicle_id)
-        for row in known:
-            self._cutter.take(sample_of(row))
+        self._remember(known, known_fixes)
         for t_ns in refused_ns:
             self._cutter.refuse(t_ns)
         self._rows: dict[Kind, list[tuple[int, ...]]] = defaultdict(list)
@@ -104,6 +105,18 @@ class HistoryCore:
                 outputs = [*self._told(self._cutter.finish()), *self._hand_over(is_last=True)]
         return outputs
 
+    def _remember(
+        self, poses: Iterable[Sequence[int]], fixes: Iterable[tuple[GpsFix, str]]
+    ) -> None:
+        waiting = deque(fixes)
+        for row in poses:
+            # a pose comes when the fix of its instant has told
+            while waiting and waiting[0][0].t_ns <= row[0] * US:
+                self._cutter.fix(*waiting.popleft())
+            self._cutter.take(sample_of(row))
+        for fix, source in waiting:
+            self._cutter.fix(fix, source)
+
     def _take_pose(self, pose: Pose) -> Sequence[Message | Record]:
         second = pose.t_ns // SECOND_NS
         if second == self._second:
@@ -117,7 +130,9 @@ class HistoryCore:
     def _take_fix(self, fix: GpsFix, source: str) -> Sequence[Record]:
         if fix.lat_deg is None or fix.lon_deg is None:
             return ()
-        self._keep(FIXES, fix, **{SOURCE: source})
+        row = self._keep(FIXES, fix, **{SOURCE: source})
+        if fix.valid:
+            self._cutter.fix(fix_of(row), source)
         return self._due(fix.t_ns)
 
     def _take_progress(self, progress: Progress) -> Sequence[Record]:

@@ -10,11 +10,13 @@ import sqlalchemy as sa
 from wayline.core import Record
 from wayline.host_clock import told_ns
 from wayline.keys import FLEET
+from wayline.messages import GpsFix
 from wayline.spool import Waiting
 from wayline_history.chunk import Chunk
 from wayline_history.housekeeping import Housekeeping, Limits
 from wayline_history.layouts import US
 from wayline_history.losses import Losses
+from wayline_history.messages_again import messages_of
 from wayline_history.reading import HistoryReader
 from wayline_history.records import Event, Piece
 from wayline_history.store import HistoryStore
@@ -37,6 +39,8 @@ class UnderWay(NamedTuple):
     """Of its poses."""
     refused_ns: Sequence[int] = ()
     """When measurements were refused."""
+    fixes: Sequence[tuple[GpsFix, str]] = ()
+    """With their sources."""
 
 
 class Openings:
@@ -95,8 +99,15 @@ class HistoryTables:
             if rows and row[0] - rows[-1][0] > SILENCE_NS // US:
                 rows = []
             rows.append(row)
-        refused = _rows(self._reader.rows(vehicle_id, "refused", rows[0][0] * US, span[1]))
-        return UnderWay(rows, [row[0] * US for row in refused])
+        since = rows[0][0] * US, span[1]
+        refused = _rows(self._reader.rows(vehicle_id, "refused", *since))
+        fixes = [
+            (fix, source)
+            for chunk in self._reader.rows(vehicle_id, "raw", *since)
+            for source, fix in messages_of(chunk)
+            if isinstance(fix, GpsFix)
+        ]
+        return UnderWay(rows, [row[0] * US for row in refused], fixes)
 
     def _keep(self, records: Sequence[tuple[str, Record]]) -> None:
         alive_ns = told_ns()

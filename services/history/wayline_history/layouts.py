@@ -32,6 +32,8 @@ class Column(NamedTuple):
     """Goes on as before, so that its differences differ by less than it does itself."""
     words: tuple[str, ...] = ()
     """Where it is one of a few words: these; the row holds which."""
+    is_flag: bool = False
+    """0 or 1."""
     is_text: bool = False
     """Where it is free text: the row holds its number among the texts beside it."""
     is_apart: bool = False
@@ -120,7 +122,10 @@ FIXES = Layout(
         Column("mode"),
         Column("satellites"),
         Column("hdop", 100.0),
+        Column("pdop", 100.0),
         Column("h_std_m", 100.0),
+        Column("speed_std_mps", 100.0),
+        Column("speed_derived", is_flag=True),
         Column(SOURCE, is_text=True, is_apart=True),
     ),
 )
@@ -136,7 +141,7 @@ PROGRESSES = Layout(
         Column("lap"),
         Column("cross_track_m", 100.0),
         Column("distance_std_m", 100.0),
-        Column("on_route"),
+        Column("on_route", is_flag=True),
         Column("speed_mps", 100.0),
         Column("direction_id"),
         Column("delay_s", 10.0),

@@ -125,7 +125,7 @@ def _in_words(
     if words:
         return [words[step] for step in np.where(unknown, 0, steps).tolist()]
     values: NDArray[np.generic] = steps
-    if column.name == "on_route":
+    if column.is_flag:
         values = steps.astype(bool)
     elif column.per_unit != 1.0:
         values = steps / column.per_unit

@@ -15,7 +15,7 @@ from wayline.timetable.calendar import SECOND_NS, instant_ns, service_days
 from wayline.timetable.model import Frequency, Pattern, Timetable, Trip
 from wayline.timetable.notes import Notes
 from wayline.timetable.trip_route import PatternRoutes, TripRoute
-from wayline.timetable.versions import superseded_days
+from wayline.timetable.versions import families, superseded_days
 
 Floats = NDArray[np.float64]
 LONGEST_TRIP_S = 6 * 3600
@@ -24,6 +24,10 @@ SLOT_NS = 600 * SECOND_NS
 """Vehicles ask at every pose which trips there are around: within this the answer is the same."""
 PatternPlace = tuple[int, int]
 """Of a feed, and of a pattern within it."""
+
+
+LineKey = tuple[int, str, int | None]
+"""A timetable, and of it a route and a direction."""
 
 
 class Run(NamedTuple):
@@ -96,6 +100,7 @@ class Runs:
         self.feeds = tuple(timetables)
         self._zones = [ZoneInfo(feed.timezone) for feed in self.feeds]
         self._superseded = superseded_days(self.feeds)
+        self._families = families(self.feeds)
         self._lines: dict[PatternPlace, PatternRoutes | None] = {}
         self._routes: dict[tuple[PatternPlace, int], TripRoute] = {}
         self._in_slots: dict[PatternPlace, tuple[int, list[Run]]] = {}
@@ -105,6 +110,11 @@ class Runs:
         trips = self._named.get(name, ())
         runs = [run for feed, trip in trips for run in self._around(feed, trip, t_ns)]
         return sorted(runs, key=lambda run: run.departs_ns)
+
+    def line_key(self, run: Run) -> LineKey:
+        """What runs of one line have in common, in all versions of its timetable."""
+        family = self._families[run.pattern_place[0]]
+        return family, run.pattern.route_id, run.pattern.direction_id
 
     def of_block(self, run: Run, t_ns: int) -> list[Run]:
         """The runs of the block that a run belongs to, in order; itself alone without a block."""

@@ -46,6 +46,16 @@ def superseded_days(timetables: Sequence[Timetable]) -> list[int]:
     ]
 
 
+def families(timetables: Sequence[Timetable]) -> list[int]:
+    """Of each feed a number that its versions have too: the first of theirs."""
+    found: list[int] = []
+    for at, each in enumerate(timetables):
+        others = (other for other in range(at) if _are_versions(timetables[other], each))
+        first = next(others, None)
+        found.append(at if first is None else found[first])
+    return found
+
+
 def _are_versions(one: Timetable, other: Timetable) -> bool:
     smaller, larger = sorted((one, other), key=lambda each: len(each.stops))
     places = {stop.stop_id: stop for stop in larger.stops}

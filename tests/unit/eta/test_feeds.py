@@ -5,8 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from unit.eta.route_drives import route_of
+from unit.eta.route_drives import SECOND_NS, START_NS, route_of
 from unit.timetable.faulty_feeds import FAULTS, good_feed, write_folder
+from wayline.inputs import Tick
+from wayline.messages import GpsFix
 from wayline.route_file import write_route
 from wayline.settings import Settings, VehicleAssignment
 from wayline_eta.__main__ import build
@@ -71,3 +73,23 @@ def test_a_vehicle_that_is_assigned_to_a_route_follows_it_whatever_feeds_there_a
     service = build(settings, Namespace())
     assert isinstance(service.make_node("truck", "").core, EtaCore)
     assert isinstance(service.make_node("bus-1", "").core, TimetableEtaCore)
+
+
+@pytest.mark.parametrize("by_timetable", [True, False])
+def test_reports_of_two_vehicles_with_one_id_are_counted_in_health(
+    tmp_path: Path, by_timetable: bool
+) -> None:
+    """One of them is followed; each report of the other, ten kilometres off, is bad input."""
+    route = tmp_path / "r.geojson"
+    write_route(route_of([(0, 0), (2_000, 0)]), route)
+    feed = write_folder(good_feed(), tmp_path / "feed")
+    feeds, routes = ((str(feed),), ()) if by_timetable else ((), (str(route),))
+    service = build(Settings(vehicles=("*",), feeds=feeds, routes=routes), Namespace())
+    node = service.make_node("bus-1", "")
+    for report in range(20):
+        lat_deg = 56.0 + (0.1 if report % 2 else 0.0)
+        t_ns = START_NS + report * 30 * SECOND_NS
+        fix = GpsFix(t_ns=t_ns, valid=True, lat_deg=lat_deg, lon_deg=10.0)
+        list(node.take(fix, "gps-ingest"))
+        list(node.give(Tick(t_ns), "eta"))
+    assert service.bad_input() == 10

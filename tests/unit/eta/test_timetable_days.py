@@ -99,3 +99,37 @@ def test_a_trip_over_the_antimeridian_is_found_and_followed(tmp_path: Path) -> N
     assert progress.on_route
     assert progress.distance_m == pytest.approx(8.29 * 299, abs=25.0)
     assert -180.0 <= progress.lon_deg < -179.9
+
+
+def versions_at_midnight(folder: Path) -> Runs:
+    """T leaves at 23:56 until the third of June; by the newer feed, from the fourth, at 00:20."""
+    feeds = []
+    for name, times, dates in (
+        ("older", ("23:5", (6, 8)), ("20260101", "20260603")),
+        ("newer", ("00:2", (0, 2, 4, 6, 8)), ("20260604", "20261231")),
+    ):
+        tables = good_feed()
+        clock, minutes = times
+        clocks = [f"{clock}{minute}:00" for minute in minutes]
+        clocks += [f"24:0{minute}:00" for minute in (0, 2, 4)][: 5 - len(clocks)]
+        rows = [f"T,{at},{at},S{stop},{stop + 1}" for stop, at in enumerate(clocks)]
+        head = tables["stop_times.txt"].splitlines()[0]
+        tables["stop_times.txt"] = "\n".join((head, *rows)) + "\n"
+        tables["calendar.txt"] = f"{head_of(tables)}S,1,1,1,1,1,0,0,{','.join(dates)}\n"
+        feeds.append(read_timetable(write_folder(tables, folder / name)))
+    return Runs(feeds)
+
+
+def head_of(tables: dict[str, str]) -> str:
+    return tables["calendar.txt"].splitlines(keepends=True)[0]
+
+
+def test_a_feed_that_changes_at_midnight_leaves_a_running_vehicle_its_trip(tmp_path: Path) -> None:
+    """It is late on the old one's last trip, and runs the new one's first half an hour later."""
+    runs = versions_at_midnight(tmp_path)
+    told = north(Ride(runs, start="23:57"), 470)
+    assert trips(told) == ["T"]
+    assert delays(told) == [pytest.approx(60.0, abs=3.0)]
+    told = north(Ride(runs, start="24:20"), 60)
+    assert trips(told) == ["T"]
+    assert delays(told) == [pytest.approx(0.0, abs=3.0)]

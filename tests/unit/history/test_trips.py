@@ -3,15 +3,17 @@
 import random
 from collections.abc import Iterable
 
+import msgspec
 import pytest
 
 from builders import at
 from unit.history.driven import VEHICLE, kept_of, legs, pose
 from wayline.core import Sleep
 from wayline.inputs import Tick
-from wayline.messages import Message, Pose, Torque, Trip
+from wayline.messages import GpsFix, Message, Pose, Torque, Trip
 from wayline_history.climb import Climb
 from wayline_history.core import HistoryCore
+from wayline_history.samples import fix_of
 from wayline_history.trip_cutter import ENGINE_OFF_NS, PARK_NS, SILENCE_NS
 
 PARK_S, OFF_S, SILENCE_S = PARK_NS * 1e-9, ENGINE_OFF_NS * 1e-9, SILENCE_NS * 1e-9
@@ -178,3 +180,68 @@ def test_a_trip_under_way_is_kept_as_far_as_it_has_come() -> None:
     assert kept.trips == []
     assert trip.started_ns == at(0)
     assert trip.ended_ns == at(65)
+
+
+def with_fixes(poses: Iterable[Pose], *, without: range = range(0)) -> list[Message]:
+    """Poses of GPS that count a tenth too much, after the fixes that they were made of."""
+    drive: list[Message] = []
+    for second, each in enumerate(poses):
+        if second not in without:
+            fix = GpsFix(
+                t_ns=each.t_ns,
+                valid=True,
+                lat_deg=each.lat_deg,
+                lon_deg=each.lon_deg,
+                speed_mps=each.speed_mps,
+                course_deg=90.0,
+                mode=3,
+                fix="gps",
+                satellites=9,
+                hdop=1.0,
+                pdop=2.0,
+            )
+            drive.append(fix)
+        counted_m = 1.1 * each.distance_m
+        drive.append(msgspec.structs.replace(each, mode="gps", distance_m=counted_m))
+    return drive
+
+
+def test_fixes_tell_how_far_a_trip_without_wheels_went() -> None:
+    (trip,) = trips_of(with_fixes(legs((60, 0.0), (100, 10.0), (PARK_S + 10, 0.0))))
+    assert trip.distance_m == pytest.approx(1000.0, abs=10.0)
+    assert 1.0 < trip.distance_std_m < 10.0
+
+
+def test_a_hole_of_the_fixes_is_bridged_and_told_by_the_std() -> None:
+    whole, holed = (
+        trips_of(with_fixes(legs((60, 0.0), (200, 10.0), (PARK_S + 10, 0.0)), without=without))[0]
+        for without in (range(0), range(120, 180))
+    )
+    assert holed.distance_m == pytest.approx(2000.0, abs=20.0)
+    assert holed.distance_std_m > whole.distance_std_m
+
+
+def test_a_long_trip_is_summed_up_in_stretches() -> None:
+    (trip,) = trips_of(with_fixes(legs((10, 0.0), (3000, 15.0), (PARK_S + 10, 0.0))))
+    assert trip.distance_m == pytest.approx(45_000.0, abs=50.0)
+
+
+def test_of_two_receivers_one_counts() -> None:
+    core = HistoryCore(VEHICLE)
+    kept: list[object] = []
+    for each in with_fixes(legs((10, 0.0), (100, 10.0), (PARK_S + 10, 0.0))):
+        kept += core.handle(each, "gps-ingest")
+        if isinstance(each, GpsFix) and each.lat_deg is not None:
+            other = msgspec.structs.replace(each, t_ns=each.t_ns + 1, lat_deg=each.lat_deg + 1e-4)
+            kept += core.handle(other, "gps-ingest-2")
+    (trip,) = [each for each in kept if isinstance(each, Trip)]
+    assert trip.distance_m == pytest.approx(1000.0, abs=10.0)
+
+
+def test_a_trip_that_is_gone_on_with_has_the_fixes_of_before() -> None:
+    drive = with_fixes(legs((10, 0.0), (100, 10.0), (100, 12.0), (PARK_S + 10, 0.0)))
+    (whole,) = trips_of(drive)
+    before = kept_of(drive[:240], finish=True)
+    known = [(fix_of(row), "test") for row in before.rows("raw")]
+    after = kept_of(drive[240:], known=before.rows("fused"), known_fixes=known)
+    assert [trip for trip in after.trips if trip.trip_key == whole.trip_key] == [whole]

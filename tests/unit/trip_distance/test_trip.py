@@ -40,6 +40,22 @@ def test_standing_adds_nothing(*, tells_speed: bool) -> None:
     assert told.distance_m - moving.distance_m == pytest.approx(7.5, abs=8.0)
 
 
+def test_a_poor_receivers_noise_at_rest_adds_nothing() -> None:
+    """Ten minutes of 0.2 m/s that lead nowhere: 120 m by speeds."""
+    slowing = [Leg(300, 70.0, 15.0), *(Leg(1, 70.0, speed) for speed in (12.0, 9.0, 6.0, 3.0))]
+    at_once, long_after = (
+        metered(journey([*slowing, Leg(rest, 70.0, 0.0)], position_std_m=1.5, speed_std_mps=0.25))
+        for rest in (35, 600)
+    )
+    assert long_after.distance_m - at_once.distance_m == pytest.approx(0.0, abs=3.0)
+
+
+def test_creeping_is_a_way() -> None:
+    """In a queue at 0.6 m/s."""
+    told = metered(journey([Leg(301, 70.0, 0.6)], position_std_m=1.0, speed_std_mps=0.03))
+    assert told.distance_m == pytest.approx(180.0, abs=4.0)
+
+
 @pytest.mark.parametrize("tells_speed", [True, False], ids=["speeds", "positions"])
 def test_reflections_add_nothing(*, tells_speed: bool) -> None:
     fixes = journey(STRAIGHT, tells_speed=tells_speed)
