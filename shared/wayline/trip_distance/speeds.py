@@ -82,7 +82,9 @@ def profile_of(track: Track) -> Profile:
 
 
 def _by_positions(track: Track, doubts: tuple[str, ...]) -> Profile:
-    stds_m = np.where(track.good, POSITION_STD_M, BAD_POSITION_STD_M)
+    # where all are bad, they are all that there is
+    believed = track.good if track.good.any() else ~track.good
+    stds_m = np.where(believed, POSITION_STD_M, BAD_POSITION_STD_M)
     made = smoothed(track.times_s, track.places_m, stds_m, ACCELERATION_MPS_PER_SQRT_S)
     speeds_mps = np.hypot(*made.rates.T)
     # a sum of steps knows its ends only; each start from rest adds what positions wander

@@ -7,7 +7,7 @@ import pytest
 from builders import at, odometer
 from unit.trip_distance.journeys import Leg, journey, metered, moved, with_hole
 from wayline.line import Line
-from wayline.messages import GpsFix, Pose
+from wayline.messages import GpsFix, Odometer, Pose
 from wayline.trip_distance.track import track_of
 from wayline.trip_distance.trip import TripMeter
 from wayline.tuning import Tuning
@@ -132,6 +132,14 @@ def test_wheels_get_their_scale_from_fixes_and_tell_the_rest() -> None:
     assert told.bridged_m == 0.0
 
 
+def test_a_distance_in_frames_of_its_own_takes_nothing_from_the_speeds() -> None:
+    """Ten speeds a second, and a counter beside them in messages without a speed."""
+    wheels = [odometer(0.1 * tenth, 15.0) for tenth in range(6_001)]
+    counted = [Odometer(t_ns=at(n + 0.05), distance_m=5.0 * (3 * n)) for n in range(600)]
+    told = metered(sorted([*wheels, *counted], key=lambda each: each.t_ns))
+    assert told.distance_m == pytest.approx(9_000.0, abs=2.0)
+
+
 def test_where_wheels_are_silent_gps_tells() -> None:
     fixes = journey(STRAIGHT)
     wheels = [odometer(second, 15.0 * 0.98) for second in range(601) if not 100 < second < 300]
@@ -191,6 +199,14 @@ def test_bad_fixes_alone_are_told_and_widen_the_std() -> None:
     good, bad = (metered(journey(STRAIGHT, satellites=count)) for count in (7, 3))
     assert bad.doubts == ("no fix is good",)
     assert bad.distance_std_m > good.distance_std_m
+
+
+def test_bad_fixes_alone_tell_a_distance_without_speeds_too() -> None:
+    """Corners that no car takes at 12 m/s are cut by 3 %."""
+    corners = [Leg(20, 90.0 * (number % 2), 12.0) for number in range(30)]
+    told = metered(journey(corners, satellites=3, tells_speed=False))
+    assert told.basis == "positions"
+    assert told.distance_m == pytest.approx(599 * 12.0, rel=0.05)
 
 
 def test_time_that_goes_back_is_counted_and_left_out() -> None:

@@ -88,7 +88,7 @@ class Gathered:
 
     def take(self, message: Message, source: str) -> None:
         """Any message; the others are not listened to."""
-        if isinstance(message, Odometer) and message.speed_mps is not None:
+        if isinstance(message, Odometer):
             self.wheels.append(message)
         if not isinstance(message, GpsFix) or not message.valid:
             return
@@ -143,9 +143,13 @@ def _by_wheels(
 
 
 def _speeds_at(fixes: tuple[GpsFix, ...], odometer: tuple[Odometer, ...]) -> Floats:
+    """Of the wheels, nan where only a distance was counted."""
     origin_ns = fixes[0].t_ns
-    times_s = np.array([(message.t_ns - origin_ns) * 1e-9 for message in odometer])
-    speeds_mps = np.array([message.speed_mps for message in odometer], dtype=np.float64)
+    told = [message for message in odometer if message.speed_mps is not None]
+    if not told:
+        return np.full(len(fixes), np.nan)
+    times_s = np.array([(message.t_ns - origin_ns) * 1e-9 for message in told])
+    speeds_mps = np.array([message.speed_mps for message in told], dtype=np.float64)
     asked_s = np.array([(fix.t_ns - origin_ns) * 1e-9 for fix in fixes])
     return np.asarray(np.interp(asked_s, times_s, speeds_mps, left=np.nan, right=np.nan))
 
