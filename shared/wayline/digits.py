@@ -7,7 +7,8 @@ import msgspec
 
 PLACE_DIGITS = 7
 """Of a degree of latitude or longitude: a centimetre."""
-PLACES = frozenset({"lat_deg", "lon_deg", "coordinates"})
+PLACES = ("lat_deg", "lon_deg", "coordinates")
+"""Ends of names: a trip has a `start_lat_deg`."""
 DIGITS = {"m": 2, "mps": 2, "deg": 2, "degps": 3, "pct": 3, "s": 2, "ms": 2, "hz": 2}
 OTHER_DIGITS = 4
 """Of shares, ratios and what has no unit."""
@@ -30,6 +31,6 @@ def _rounded(value: Any, digits: int) -> Any:
 
 @lru_cache(maxsize=1024)
 def _digits_of(name: str) -> int:
-    if name in PLACES:
+    if name.endswith(PLACES):
         return PLACE_DIGITS
     return DIGITS.get(name.rpartition("_")[2], OTHER_DIGITS)

@@ -145,6 +145,12 @@ PROBLEM_RESPONSES: dict[int | str, dict[str, Any]] = {
 }
 
 
+AWAY_RESPONSES: dict[int | str, dict[str, Any]] = {
+    503: {**PROBLEM_RESPONSES["4XX"], "description": "What the answer rests on is away"}
+}
+"""The `responses` of a path that asks a database or another service."""
+
+
 class StructsApp(FastAPI):
     """FastAPI whose OpenAPI document also holds the schemas of msgspec Structs."""
 

@@ -6,6 +6,7 @@ import threading
 from pathlib import Path
 
 import uvicorn
+from starlette.applications import Starlette
 from starlette.types import ASGIApp
 
 from wayline.errors import InputError
@@ -33,6 +34,9 @@ class HttpServer:
         self._settings = settings
         self._socket = _listen(settings.host, port)
         self._server = uvicorn.Server(_config(app, settings))
+        if isinstance(app, Starlette):
+            # streams that never end by themselves would be cut off, with a traceback, after GRACE_S
+            app.state.is_ending = lambda: self._server.should_exit
         self._thread = threading.Thread(target=self._serve, name="http", daemon=True)
         self._ended = threading.Event()
 

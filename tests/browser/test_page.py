@@ -282,6 +282,6 @@ def test_the_documentation_draws_itself_without_the_internet(
     stage: Stage, watched: Watched
 ) -> None:
     watched.page.goto(f"{stage.server.url}/docs")
-    expect(watched.page.locator(".opblock")).to_have_count(7)
+    expect(watched.page.locator(".opblock")).to_have_count(8)
     assert watched.complaints == []
     assert {url for url in watched.requested if not url.startswith(stage.server.url)} == set()

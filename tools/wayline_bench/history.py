@@ -51,7 +51,7 @@ def _hour(kind: str, url: str, say: Say) -> list[Row]:
         unit="MB", bar=MEMORY_BAR,
     )  # fmt: skip
     spent = compared(
-        hour, [kept.cpu_s], [allowed_s], f"s of CPU for {FAST_PLAY:.0f} times real time",
+        hour, [kept.cpu_s], [allowed_s], f"of CPU for {FAST_PLAY:.0f} times real time",
         unit="s", bar=1.0,
     )  # fmt: skip
     return [spent, memory]

@@ -164,6 +164,18 @@ def sparse_command(
         plot_sparse(shown, plot)
 
 
+@evaluate_app.command("distance")
+def distance_command(drives: Drives, *, json: Json = None, jobs: Jobs = 1) -> None:
+    """How far each drive went, with its std, and by GPS alone beside truth, wheels or speeds."""
+    from wayline_evaluation.distance_study import distance_study
+    from wayline_evaluation.distance_table import distance_tables
+
+    check_targets(json, None)
+    with progress("drives") as progressed:
+        report = distance_study(drives, jobs, progressed)
+    _tell(distance_tables(report), report, json)
+
+
 @evaluate_app.command("smoothing")
 def smoothing_command(
     drives: Drives,

@@ -19,7 +19,7 @@ ARRIVING_S = 15.0
 """Who stands in the truth and who is seen to stand may be so far apart."""
 
 StopKey = tuple[str | None, str]
-"""Trip (None on a route without) and stop."""
+"""Trip (None on a route without, and where it is not certain) and stop."""
 
 
 class EtaScore(Score, frozen=True, kw_only=True):
@@ -91,10 +91,11 @@ def _instants(events: Iterable[StopEvent]) -> dict[StopKey, NDArray[np.int64]]:
     came: defaultdict[StopKey, list[int]] = defaultdict(list)
     left: defaultdict[StopKey, list[int]] = defaultdict(list)
     for event in events:
-        if event.kind in CAME:
-            came[event.trip_id, event.stop_id].append(event.t_ns)
-        elif event.kind == "departed":
-            left[event.trip_id, event.stop_id].append(event.t_ns)
+        for key in dict.fromkeys(((event.trip_id, event.stop_id), (None, event.stop_id))):
+            if event.kind in CAME:
+                came[key].append(event.t_ns)
+            elif event.kind == "departed":
+                left[key].append(event.t_ns)
     return {key: np.sort(np.array(times, np.int64)) for key, times in {**left, **came}.items()}
 
 

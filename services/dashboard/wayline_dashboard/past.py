@@ -10,6 +10,8 @@ from fastapi import FastAPI, Request
 from msgspec import Meta
 from starlette.responses import StreamingResponse
 
+from wayline.http import AWAY_RESPONSES
+from wayline.keys import is_vehicle_id
 from wayline.parameters import describe_parameters
 from wayline.query_error import QueryError
 
@@ -40,11 +42,14 @@ def add_past(app: FastAPI, history_url: str) -> None:
     @app.get(
         "/v1/vehicles/{vehicle_id}/{what}",
         response_class=StreamingResponse,
+        responses=AWAY_RESPONSES,
         openapi_extra=describe_parameters(PastParameters),
         tags=["history"],
     )
     def past(vehicle_id: str, what: What, request: Request) -> StreamingResponse:
         """Where a vehicle was, its trips and what happened to it, as history tells."""
+        if not is_vehicle_id(vehicle_id):
+            raise QueryError(404, f"{vehicle_id!r} is no vehicle's id")
         asked = client.build_request(
             "GET",
             httpx2.URL(path=f"/v1/vehicles/{vehicle_id}/{what}", query=request.url.query.encode()),

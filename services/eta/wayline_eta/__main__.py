@@ -4,6 +4,7 @@ import datetime as dt
 import sys
 from argparse import Namespace
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from fastapi import FastAPI
@@ -47,7 +48,7 @@ def build(settings: Settings, options: Namespace) -> Service:
     lessons = lessons_by(timetables, accuracy.take)
     store = None
     if settings.database_url is not None:
-        where = Tables(settings.database_url, "wayline_eta", EtaTables)
+        where = Tables(settings.database_url, "wayline_eta", partial(EtaTables, zone=lessons.zone))
         store = PatientStore(where, settings, lessons.remember)
     left_out = LeftOut()
     make_node = _make_node(settings, routes, timetables, lessons, store, left_out=left_out)

@@ -216,10 +216,12 @@ def _add_stream(app: FastAPI, board: EtaBoard, rendered: Rendered) -> None:
         openapi_extra=describe_parameters(StreamParameters),
         tags=["arrivals"],
     )
-    async def events(request: Request) -> EventSourceResponse:
+    async def live(request: Request) -> EventSourceResponse:
         """Server-sent events `arrivals` and `progress`: all that is known, then what is new."""
         asked = read_parameters(request.query_params, StreamParameters)
-        return EventSourceResponse(stream(Reader(board, rendered, asked)), headers=NOT_KEPT)
+        is_ending = getattr(app.state, "is_ending", lambda: False)
+        events = stream(Reader(board, rendered, asked), is_ending)
+        return EventSourceResponse(events, headers=NOT_KEPT)
 
 
 def _as(*media_types: str) -> dict[int | str, dict[str, Any]]:

@@ -5,6 +5,8 @@ such a one too (Fenton 1960). What is told is the mean, which is the plan's wher
 yet. The legs of one run are slow or quick together.
 """
 
+import math
+from statistics import NormalDist
 from typing import NamedTuple
 
 import numpy as np
@@ -14,9 +16,9 @@ from wayline.messages import StopArrival
 from wayline.route import Route
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.lessons import Expectations
-from wayline_eta.ranges import MINUTES
+from wayline_eta.ranges import MINUTES, SPANS
 from wayline_eta.stands import MOVING, Stand
-from wayline_eta.stop_visits import BOARDING_S, next_visits_m
+from wayline_eta.stop_visits import next_visits_m
 
 Floats = NDArray[np.float64]
 
@@ -30,6 +32,7 @@ UNTOLD_STD_S = 12.0
 """Of what a vehicle stands at a stop, and before lights, where no dwell is planned."""
 UNDER_WAY_M = 30.0
 """A vehicle so far behind a stop has left it."""
+NORMAL = NormalDist()
 NORMAL_P90 = 1.281_551_6
 """The 90 % quantile of the standard normal distribution."""
 
@@ -44,6 +47,10 @@ class Outlook(NamedTuple):
     """Stops up to here have been arrived at."""
     distance_std_m: float
     stand: Stand = MOVING
+    drives: bool = False
+    """It is seen to, all the time."""
+    slower: float = 1.0
+    """What the rest of its leg takes over what is usual, by its own pace."""
 
 
 class Visit(NamedTuple):
@@ -52,7 +59,7 @@ class Visit(NamedTuple):
     stop: int
     distance_m: float
     is_learned: bool
-    """Somebody has driven the leg there."""
+    """Somebody has driven the whole way there."""
     arrival_ns: int
     early_ns: int
     late_ns: int
@@ -104,7 +111,8 @@ def predict_visits(
         return []
     ahead = _times(by, outlook, order, visits_m, motion)
     earlier_s, later_s = _widths_s(ahead, outlook.stand)
-    span = np.searchsorted(MINUTES, ahead.arrivals_s / 60.0, side="right")
+    is_learned = np.logical_and.accumulate(by.is_driven[order])
+    span = np.searchsorted(MINUTES, ahead.arrivals_s / 60.0, side="right") + SPANS * is_learned
     told_s = np.array(
         (
             ahead.arrivals_s,
@@ -116,7 +124,7 @@ def predict_visits(
     rows = zip(
         order.tolist(),
         np.maximum(visits_m - outlook.total_m, 0.0).tolist(),
-        by.is_driven[order].tolist(),
+        is_learned.tolist(),
         *_instants_ns(outlook, now_ns, told_s).tolist(),
         *(np.array((earlier_s, later_s)) * 1e9).astype(np.int64).tolist(),
         strict=True,
@@ -158,15 +166,10 @@ def _times(
         shared_s2 = (RUN_STD * np.cumsum(travels_s)) ** 2
         return Ahead(arrivals_s, departures_s, variances_s2 + shared_s2)
     earliest_s = (motion.stop_leaves_ns[order] - outlook.t_ns) * 1e-9
-    # what was seen where vehicles wait for their time is mostly that; late ones board
-    waits = np.isfinite(earliest_s)
-    planned_s = by.route.stop_dwells_s[order]
-    dwells_s = np.where(waits, np.minimum(planned_s, BOARDING_S), dwells_s)
     if motion.is_untold:
-        travels_s2 = travels_s2 + UNTOLD_STD_S**2
-    ahead = _waiting(
-        (begins_s, begins_s2), (travels_s, travels_s2), (dwells_s, dwells_s2), earliest_s
-    )
+        travels_s2 = travels_s2 + np.where(by.is_driven[order], 0.0, UNTOLD_STD_S**2)
+    leaves = earliest_s + by.late_s[order], by.late_s2[order]
+    ahead = _waiting((begins_s, begins_s2), (travels_s, travels_s2), (dwells_s, dwells_s2), leaves)
     if not by.is_driven[order[0]]:
         ahead.arrivals_s[0] -= _untold_dwell_s(motion, outlook, float(visits_m[0]))
     return ahead
@@ -176,33 +179,63 @@ def _waiting(
     begins: tuple[float, float],
     travels: tuple[Floats, Floats],
     dwells: tuple[Floats, Floats],
-    earliest_s: Floats,
+    leaves: tuple[Floats, Floats],
 ) -> Ahead:
     """Means and variances added up; a vehicle that is early waits, which makes up for delays."""
     (at_s, at_s2), driven_s = begins, 0.0
-    rows = zip(*(each.tolist() for each in (*travels, *dwells)), earliest_s.tolist(), strict=True)
+    rows = zip(*(each.tolist() for each in (*travels, *dwells, *leaves)), strict=True)
     arrivals_s, departures_s, variances_s2 = [], [], []
-    for travel_s, travel_s2, dwell_s, dwell_s2, leaves_s in rows:
+    for travel_s, travel_s2, dwell_s, dwell_s2, leaves_s, leaves_s2 in rows:
         at_s, at_s2, driven_s = at_s + travel_s, at_s2 + travel_s2, driven_s + travel_s
         arrivals_s.append(at_s)
         variances_s2.append(at_s2 + (RUN_STD * driven_s) ** 2)
         at_s, at_s2 = at_s + dwell_s, at_s2 + dwell_s2
-        if leaves_s > at_s:
-            spare = (leaves_s - at_s) / (variances_s2[-1] + FLOOR_S) ** 0.5
-            at_s, at_s2, driven_s = leaves_s, at_s2 / (1.0 + spare) ** 2, 0.0
+        if math.isfinite(leaves_s):
+            whole_s2 = at_s2 + (RUN_STD * driven_s) ** 2
+            at_s, at_s2, late = later_of((at_s, whole_s2), (leaves_s, leaves_s2))
+            driven_s *= late
+            at_s2 = max(at_s2 - (RUN_STD * driven_s) ** 2, 0.0)
         departures_s.append(at_s)
     return Ahead(np.array(arrivals_s), np.array(departures_s), np.array(variances_s2))
 
 
+def later_of(first: tuple[float, float], second: tuple[float, float]) -> tuple[float, float, float]:
+    """Mean and variance of the later of two normal instants, and that it is the first.
+
+    Clark 1961, equations 2 to 4, without correlation.
+    """
+    (first_s, first_s2), (second_s, second_s2) = first, second
+    apart_s = math.sqrt(first_s2 + second_s2 + FLOOR_S**2)
+    off = (first_s - second_s) / apart_s
+    share, density = NORMAL.cdf(off), NORMAL.pdf(off)
+    mean_s = first_s * share + second_s * (1.0 - share) + apart_s * density
+    square_s2 = (first_s**2 + first_s2) * share + (second_s**2 + second_s2) * (1.0 - share)
+    square_s2 += (first_s + second_s) * apart_s * density
+    return mean_s, max(square_s2 - mean_s**2, 0.0), share
+
+
+def usual_s(by: Expectations, outlook: Outlook, from_m: float) -> float:
+    """What the way from a place to where the vehicle is usually takes, on the leg that it is on."""
+    order, _ = _stops_ahead(by.route, outlook.served_m)
+    if not len(order) or outlook.total_m <= from_m:
+        return 0.0
+    ends_s = by.route.time_at(np.array([from_m, outlook.total_m]))
+    planned_s, whole_s = float(ends_s[1] - ends_s[0]), float(by.planned_s[order[0]])
+    return planned_s * (
+        float(by.travel_s[order[0]]) / whole_s if whole_s > 0.0 else by.first_factor
+    )
+
+
 def _rest(by: Expectations, outlook: Outlook, stop: int, visit_m: float) -> tuple[float, float]:
-    """Of the leg under way, by the share of its planned time that is still to go."""
+    """Of the leg under way, by the share of its planned time that is still to go, and its pace."""
     ends_s = by.route.time_at(np.array([max(outlook.total_m, 0.0), visit_m]))
     planned_s, whole_s = max(float(ends_s[1] - ends_s[0]), 0.0), float(by.planned_s[stop])
     if whole_s <= 0.0:
         to_first_s = by.first_factor * planned_s
         return to_first_s, (UNSEEN_STD * to_first_s) ** 2
     share = min(planned_s / whole_s, 1.0)
-    return share * float(by.travel_s[stop]), share * float(by.travel_s2[stop])
+    usual_s, usual_s2 = float(by.travel_s[stop]), float(by.travel_s2[stop])
+    return outlook.slower * share * usual_s, outlook.slower**2 * share * usual_s2
 
 
 def _widths_s(ahead: Ahead, stand: Stand) -> tuple[Floats, Floats]:

@@ -15,8 +15,10 @@ from zoneinfo import ZoneInfo
 from wayline_eta.day_slots import slot_of
 from wayline_eta.forgetful import Forgetful
 from wayline_eta.legs import Leg
-from wayline_eta.records import Taken
+from wayline_eta.records import Known, Taken
 
+MODEL = 1
+"""Of `teachings`; what another one has left in a database is learned anew from its rows."""
 DAY_HELD, SLOT_HELD = 3.0, 4.0
 """What the level above is worth to each, in observations."""
 PLAN_HELD, TIMETABLE_HELD = 0.3, 1.0
@@ -37,7 +39,10 @@ RATIO_MAX = 20.0
 DWELL_MAX_S = 1_200.0
 DWELL_STD_S = 6.0
 DWELL_RUNS = 1.0
-"""A planned dwell is worth so many that were seen."""
+"""A planned dwell is worth so many that were seen, and so is what all stops of a plan have."""
+LATE_STD_S = 15.0
+"""Of how long after its time a vehicle leaves that waits for it; 0 is worth LATE_RUNS."""
+LATE_RUNS = 1.0
 
 
 class Expected(NamedTuple):
@@ -75,39 +80,40 @@ class Experience:
         self._zone = zone
         self._plan_held = TIMETABLE_HELD if is_timetable else PLAN_HELD
         self._plan_variance = (TIMETABLE_STD if is_timetable else PLAN_STD) ** 2
-        self._travel: defaultdict[tuple[object, ...], Forgetful] = defaultdict(Forgetful)
-        self._dwell: defaultdict[str, Forgetful] = defaultdict(Forgetful)
+        self._all: defaultdict[str, Forgetful] = defaultdict(Forgetful)
+        """By the keys of `teachings`."""
         self._now: dict[str, Congestion] = {}
-        self._plans: defaultdict[str, Forgetful] = defaultdict(Forgetful)
-        """Of all legs of each plan, on earlier runs."""
         self._young: defaultdict[str, deque[tuple[int, float]]] = defaultdict(deque)
-        """What is not long enough ago for that."""
+        """Of each plan's key what is not long enough ago for an earlier run."""
 
     def learn(self, seen: Taken, *, is_now: bool = True) -> None:
         """Take what a vehicle took; breakdowns teach nothing.
 
         What is read back from a database says nothing of the traffic now (`is_now`).
         """
-        if seen.dwell_s <= DWELL_MAX_S:
-            self._dwell[seen.stop] = self._dwell[seen.stop].with_value(seen.dwell_s)
-        if seen.leg is None or not _is_usual(seen):
-            return
-        ratio = math.log(seen.travel_s / seen.planned_s)
-        if is_now:
+        if is_now and seen.leg is not None and _is_usual(seen):
+            ratio = math.log(seen.travel_s / seen.planned_s)
             usual, variance = self._usual(seen.leg, seen.plan, seen.t_ns)
             now = self._now.get(seen.leg, Congestion(seen.t_ns)).at(seen.t_ns)
             self._now[seen.leg] = now.measured(ratio - usual, variance)
-        day, slot = slot_of(seen.t_ns, self._zone)
-        for key in (seen.leg,), (seen.leg, day), (seen.leg, day, slot):
-            self._travel[key] = self._travel[key].with_value(ratio)
-        self._young[seen.plan].append((seen.t_ns, ratio))
+        for key, value in teachings(seen, self._zone):
+            if key == _plan_key(seen.plan):
+                self._young[key].append((seen.t_ns, value))
+            else:
+                self._all[key] = self._all[key].with_value(value)
+
+    def recall(self, known: Known) -> None:
+        """Take what a database knows of one quantity in place of what was known of it here."""
+        self._all[known.key] = Forgetful(known.weight, known.mean, known.square)
+        self._young.pop(known.key, None)
 
     def plan_off(self, plan: str, t_ns: int) -> float:
         """The logarithm of what is taken over what is planned, of a leg that nobody has driven."""
-        young = self._young[plan]
+        key = _plan_key(plan)
+        young = self._young[key]
         while young and young[0][0] <= t_ns - EARLIER_NS:
-            self._plans[plan] = self._plans[plan].with_value(young.popleft()[1])
-        return self._plans[plan].blended(0.0, OTHERS_HELD)
+            self._all[key] = self._all[key].with_value(young.popleft()[1])
+        return self._known(key).blended(0.0, OTHERS_HELD)
 
     def travel(self, leg: Leg, plan: str, t_ns: int, ahead_s: float = 0.0) -> Expected:
         """Of a leg that is begun `ahead_s` from an instant."""
@@ -117,39 +123,86 @@ class Experience:
             faded = now.at(begun_ns)
             usual, variance = usual + faded.mean, variance + faded.variance
         # of a leg that was driven the mean is above the median; a plan tells means
-        skewed = 0.5 * self._known(leg.key).variance(0.0, PRIOR_RUNS)
+        skewed = 0.5 * self._known(_leg_key(leg.key)).variance(0.0, PRIOR_RUNS)
         mean_s = leg.planned_s * math.exp(usual + skewed)
         return Expected(mean_s, mean_s**2 * math.expm1(variance))
 
-    def dwell(self, stop: str, planned_s: float) -> Expected:
-        """At a stop."""
-        known = self._dwell.get(stop, Forgetful())
+    def dwell(self, stop: str, plan: str, planned_s: float) -> Expected:
+        """At a stop; where vehicles wait for their time, of those that are late."""
+        known = self._known(_dwell_key(stop))
         prior = max(DWELL_STD_S, 0.5 * planned_s) ** 2
+        if known.weight > 0.0:
+            planned_s = self._known(_dwells_key(plan)).blended(planned_s, DWELL_RUNS)
         mean_s = known.blended(planned_s, DWELL_RUNS)
         unsure = prior * DWELL_RUNS / (known.weight + DWELL_RUNS)
         return Expected(mean_s, known.variance(prior, DWELL_RUNS) + 0.25 * unsure)
 
+    def late(self, wait: str) -> Expected:
+        """How long after its time a vehicle leaves where it waits for it; negative: before it."""
+        known = self._known(_dwell_key(wait))
+        variance = known.variance(LATE_STD_S**2, LATE_RUNS)
+        return Expected(known.blended(0.0, LATE_RUNS), variance)
+
     def is_driven(self, leg: str) -> bool:
         """Whether anybody has taught of a leg."""
-        return self._known(leg).weight > 0.0
+        return self._known(_leg_key(leg)).weight > 0.0
 
     def dwells_seen(self, stop: str) -> float:
         """How many dwells at a stop have taught, those of long ago for less."""
-        return self._dwell[stop].weight if stop in self._dwell else 0.0
+        return self._known(_dwell_key(stop)).weight
 
     def _usual(self, leg: str, plan: str, t_ns: int) -> tuple[float, float]:
         """The logarithm of taken over planned, and its variance for one run."""
         day, slot = slot_of(t_ns, self._zone)
-        of_leg, of_slot = self._known(leg), self._known(leg, day, slot)
+        of_leg, of_slot = self._known(_leg_key(leg)), self._known(_leg_key(leg, day, slot))
         mean = of_leg.blended(self.plan_off(plan, t_ns), self._plan_held)
-        mean = self._known(leg, day).blended(mean, DAY_HELD)
+        mean = self._known(_leg_key(leg, day)).blended(mean, DAY_HELD)
         mean = of_slot.blended(mean, SLOT_HELD)
         unsure = self._plan_variance * self._plan_held / (of_leg.weight + self._plan_held)
         spread = of_slot if of_slot.weight > PRIOR_RUNS else of_leg
         return mean, spread.variance(LEG_STD**2, PRIOR_RUNS) + unsure
 
-    def _known(self, *key: object) -> Forgetful:
-        return self._travel.get(key, Forgetful())
+    def _known(self, key: str) -> Forgetful:
+        return self._all.get(key, Forgetful())
+
+
+def teachings(seen: Taken, zone: ZoneInfo) -> list[tuple[str, float]]:
+    """What a row teaches: values under the keys of what they are of; breakdowns teach nothing."""
+    taught = []
+    if abs(seen.dwell_s) <= DWELL_MAX_S:
+        taught.append((_dwell_key(seen.stop), seen.dwell_s))
+        if not is_wait(seen.stop):
+            taught.append((_dwells_key(seen.plan), seen.dwell_s))
+    if seen.leg is not None and _is_usual(seen):
+        ratio, (day, slot) = math.log(seen.travel_s / seen.planned_s), slot_of(seen.t_ns, zone)
+        keys = _leg_key(seen.leg), _leg_key(seen.leg, day), _leg_key(seen.leg, day, slot)
+        taught += [(key, ratio) for key in (*keys, _plan_key(seen.plan))]
+    return taught
+
+
+def _leg_key(leg: str, *of: object) -> str:
+    """Of travel on a leg, on all days, on a class of days, in a half hour of such."""
+    return "\t".join(("leg", leg, *map(str, of)))
+
+
+def _plan_key(plan: str) -> str:
+    """Of travel on all legs of a plan."""
+    return f"plan\t{plan}"
+
+
+def _dwell_key(stop: str) -> str:
+    """Of dwells at a stop, or of how late vehicles leave it."""
+    return f"dwell\t{stop}"
+
+
+def _dwells_key(plan: str) -> str:
+    """Of dwells at all stops of a plan."""
+    return f"dwells\t{plan}"
+
+
+def is_wait(stop: str) -> bool:
+    """Whether a key is of how late vehicles leave (`legs`), not of how long they stand."""
+    return stop.endswith("|waits")
 
 
 def _is_usual(seen: Taken) -> bool:

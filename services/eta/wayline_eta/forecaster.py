@@ -2,15 +2,19 @@
 
 from collections.abc import Sequence
 
-from wayline.messages import StopEvent
+import numpy as np
+from numpy.typing import NDArray
+
+from wayline.messages import StopArrival, StopEvent
 from wayline.route import Route
 from wayline_eta import leg_times
-from wayline_eta.arrivals import Outlook, Visit, predict_visits
+from wayline_eta.arrivals import NORMAL_P90, Outlook, Visit, later_of, predict_visits, usual_s
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.forecasts import Forecast, Forecasts
 from wayline_eta.leg_times import LegTimes
 from wayline_eta.legs import Legs
 from wayline_eta.lessons import Expectations, Lessons, expectations
+from wayline_eta.own_pace import OwnPace
 from wayline_eta.records import Came, Learned, Taken
 from wayline_eta.stands import Stand, goes_on
 
@@ -26,15 +30,24 @@ class Forecaster:
     """Of one vehicle, as long as it follows one route or runs one trip.
 
     `scope` names whose stop ids the route has, `plan` whose times, `sequences` the stops in stop
-    events.
+    events, `leaves_ns` (shape (stops,)) the earliest departures.
     """
 
     def __init__(
-        self, route: Route, lessons: Lessons, *, scope: str, plan: str, sequences: Sequence[int]
+        self,
+        route: Route,
+        lessons: Lessons,
+        *,
+        scope: str,
+        plan: str,
+        sequences: Sequence[int],
+        leaves_ns: NDArray[np.float64] | None = None,
     ) -> None:
-        self._legs, self._lessons, self._plan = Legs(route, scope), lessons, plan
+        self._legs, self._lessons, self._plan = Legs(route, scope, leaves_ns), lessons, plan
         self._times = LegTimes(self._legs, list(sequences))
-        self._forecasts = Forecasts()
+        self._forecasts, self._pace = Forecasts(), OwnPace()
+        self._seen_m = 0.0
+        """Where the vehicle was last."""
         self._expected: Expectations | None = None
         self._renewed_ns = self._taught = 0
         """When that was reckoned, and how much had been taught by then."""
@@ -44,13 +57,33 @@ class Forecaster:
     ) -> list[Visit]:
         """The visits still to come; they are remembered until they have."""
         by = self._expectations(now_ns)
-        outlook = outlook._replace(stand=self._stand(by, outlook, motion))
+        gone_s = usual_s(by, outlook, self._seen_m)
+        self._seen_m = outlook.total_m
+        self._pace.see(gone_s, outlook.t_ns, drives=outlook.drives)
+        stand, slower = self._stand(by, outlook, motion), self._pace.slower
+        outlook = outlook._replace(stand=stand, slower=slower if outlook.drives else 1.0)
         visits = predict_visits(by, outlook, now_ns, motion)
         if self._forecasts.is_due(now_ns):
             for visit in visits:
                 width_ns = visit.early_width_ns, visit.late_width_ns
-                self._forecasts.make(visit.stop, Forecast(now_ns, visit.arrival_ns, *width_ns))
+                forecast = Forecast(now_ns, visit.arrival_ns, *width_ns, visit.is_learned)
+                self._forecasts.make(visit.stop, forecast)
         return visits
+
+    def begins(self, comes: StopArrival, departs_ns: int, t_ns: int) -> Stand:
+        """Until it leaves the first stop, of a vehicle that is still to come there from a trip.
+
+        It leaves at its time, as late as others do, or when those have boarded who wait for it.
+        """
+        by = self._expectations(t_ns)
+        comes_s = (comes.arrival_ns - t_ns) * 1e-9 + float(by.dwell_s[0])
+        comes_std_s = (comes.late_ns - comes.early_ns) * 1e-9 / (2.0 * NORMAL_P90)
+        leaves_s = (departs_ns - t_ns) * 1e-9 + float(by.late_s[0])
+        mean_s, variance_s2, _ = later_of(
+            (comes_s, comes_std_s**2 + float(by.dwell_s2[0])), (leaves_s, float(by.late_s2[0]))
+        )
+        wide_s = NORMAL_P90 * variance_s2**0.5
+        return Stand(max(mean_s - wide_s, 0.0), mean_s, mean_s + wide_s)
 
     def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
         """Take what the vehicle did at stops; what that has taught."""
@@ -74,22 +107,50 @@ class Forecaster:
     def _stand(self, by: Expectations, outlook: Outlook, motion: ExpectedMotion | None) -> Stand:
         """How long it will still stand: at a stop without a time as long as others have stood."""
         stands = self._times.stands(outlook.t_ns)
-        if stands is None or motion is not None or by.dwells_seen[stands[0]] < DWELLS_SEEN:
+        if stands is None:
             return outlook.stand
         stop, stood_s = stands
+        if np.isfinite(self._legs.leaves_ns[stop]):
+            return self._wait(by, outlook, stop)
+        if motion is not None or by.dwells_seen[stop] < DWELLS_SEEN:
+            return outlook.stand
         dwell_s = float(by.dwell_s[stop])
         return goes_on(max(stood_s - dwell_s, 0.0)).at_least(max(dwell_s - stood_s, 0.0))
 
+    def _wait(self, by: Expectations, outlook: Outlook, stop: int) -> Stand:
+        """How long it will still stand where it waits for its time: others leave late, too."""
+        if outlook.stand.left_s <= 0.0:
+            return outlook.stand
+        waits_s = (float(self._legs.leaves_ns[stop]) - outlook.t_ns) * 1e-9
+        if waits_s < 0.0:
+            return outlook.stand
+        std_s = float(by.late_s2[stop]) ** 0.5
+        left_s = max(waits_s + float(by.late_s[stop]), outlook.stand.left_s)
+        return Stand(max(left_s - std_s, 0.0), left_s, left_s + NORMAL_P90 * std_s)
+
+    def _stood(self, driven: leg_times.Taken) -> tuple[str, float]:
+        """What a stand tells of: how long a vehicle stands there, or how late one leaves.
+
+        Who comes long before it may leave tells nothing of boarding.
+        """
+        key, leaves_ns = self._legs.keys[driven.stop], float(self._legs.leaves_ns[driven.stop])
+        early_s = (leaves_ns - driven.arrived_ns) * 1e-9
+        planned_s = self._legs.boarding_s(driven.stop)
+        if early_s <= self._lessons.experience.dwell(key, self._plan, planned_s).seconds:
+            return key, driven.dwell_s
+        return self._legs.waits(driven.stop), driven.dwell_s - early_s
+
     def _learned(self, driven: leg_times.Taken) -> Learned:
         leg, stop = driven.leg, self._legs.keys[driven.stop]
+        stood, stood_s = self._stood(driven)
         taken = Taken(
             t_ns=driven.arrived_ns,
             leg=None if leg is None else leg.key,
             plan=self._plan,
             planned_s=0.0 if leg is None else leg.planned_s,
             travel_s=driven.travel_s,
-            stop=stop,
-            dwell_s=driven.dwell_s,
+            stop=stood,
+            dwell_s=stood_s,
         )
         came = self._forecasts.arrive(driven.stop, driven.arrived_ns)
         return Learned(

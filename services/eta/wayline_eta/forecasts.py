@@ -21,6 +21,8 @@ class Forecast(NamedTuple):
     early_width_ns: int
     """From the model's own p10 to its p50, before it was scaled; and on to its p90."""
     late_width_ns: int
+    is_learned: bool = False
+    """Somebody has driven the whole way there."""
 
 
 class Came(NamedTuple):
@@ -28,6 +30,7 @@ class Came(NamedTuple):
 
     made_ns: int
     span: int
+    """Of the minutes ahead, and whether it was learned (`ranges`)."""
     off: float
     """By how many of its half widths the arrival was late; negative: early."""
 
@@ -55,14 +58,15 @@ class Forecasts:
         """Compare what was forecast of a stop with when the vehicle came there, one a span.
 
         Forecasts a minute apart are wrong alike, so of those that were made in the same span of
-        minutes ahead the first tells enough.
+        minutes ahead the one in the middle tells enough.
         """
-        spans: set[int] = set()
+        spans: dict[int, list[Forecast]] = {}
         for made in self._made.pop(stop, ()):
+            ahead_s = (arrived_ns - made.made_ns) * 1e-9
+            if 0.0 < ahead_s < LONGEST_S:
+                spans.setdefault(span_of(ahead_s, learned=made.is_learned), []).append(made)
+        for span, alike in spans.items():
+            made = alike[len(alike) // 2]
             off_ns = arrived_ns - made.arrival_ns
             width_ns = made.late_width_ns if off_ns >= 0 else made.early_width_ns
-            ahead_s = (arrived_ns - made.made_ns) * 1e-9
-            span = span_of(ahead_s)
-            if 0.0 < ahead_s < LONGEST_S and span not in spans:
-                spans.add(span)
-                yield Came(made.made_ns, span, off_ns / max(width_ns, 1))
+            yield Came(made.made_ns, span, off_ns / max(width_ns, 1))

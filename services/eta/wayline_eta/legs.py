@@ -8,8 +8,10 @@ import itertools
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wayline.route import Route
+from wayline_eta.stop_visits import BOARDING_S
 
 SHORTEST_S = 1.0
 """Two stops may be at one place."""
@@ -27,11 +29,16 @@ class Leg(NamedTuple):
 class Legs:
     """The legs of a route between its stops, leg i from stop i on; a loop's last goes to the first.
 
-    `scope` names whose stop ids these are.
+    `scope` names whose stop ids these are; `leaves_ns`, shape (stops,), are the earliest
+    departures.
     """
 
-    def __init__(self, route: Route, scope: str) -> None:
+    def __init__(
+        self, route: Route, scope: str, leaves_ns: NDArray[np.float64] | None = None
+    ) -> None:
         self.route = route
+        self.leaves_ns = np.full(len(route.stops), -np.inf) if leaves_ns is None else leaves_ns
+        """When a vehicle leaves each stop at the earliest; at most without such a time."""
         self.keys = [f"{scope}|{stop.stop_id}" for stop in route.stops]
         """Of the stops, under which their dwells are known."""
         self.legs = self._between_stops(scope)
@@ -49,6 +56,15 @@ class Legs:
             key = f"{scope}|{route.stops[first].stop_id}>{route.stops[last].stop_id}"
             found.append(Leg(key, max(float(times_s[1] - times_s[0]), SHORTEST_S)))
         return found
+
+    def boarding_s(self, stop: int) -> float:
+        """The planned dwell; where vehicles wait for their time it is mostly that."""
+        planned_s = self.route.stops[stop].dwell_s
+        return min(planned_s, BOARDING_S) if np.isfinite(self.leaves_ns[stop]) else planned_s
+
+    def waits(self, stop: int) -> str:
+        """Under what it is known how late vehicles leave a stop where they wait for their time."""
+        return f"{self.keys[stop]}|waits"
 
     def to(self, stop: int) -> Leg | None:
         """The leg that ends at a stop; None of the first one of an open route."""

@@ -14,7 +14,7 @@ from wayline.timetable.model import Timetable
 from wayline_eta.experience import Expected, Experience
 from wayline_eta.legs import Legs
 from wayline_eta.ranges import Ranges
-from wayline_eta.records import Came, Learned, Scored, ScoredDay, Taken
+from wayline_eta.records import Came, Known, Learned, Scored, ScoredDay
 
 Floats = NDArray[np.float64]
 TakeScores = Callable[[Scored | ScoredDay], None]
@@ -27,6 +27,8 @@ class Lessons:
     """
 
     def __init__(self, zone: ZoneInfo, *, is_timetable: bool, scored: TakeScores) -> None:
+        self.zone = zone
+        """Of the days that are driven alike."""
         self.experience = Experience(zone, is_timetable=is_timetable)
         self._ranges: dict[str, Ranges] = {}
         self.scored = scored
@@ -47,8 +49,8 @@ class Lessons:
     def remember(self, kept: msgspec.Struct) -> None:
         """Take what a database has kept; it says nothing of the traffic now."""
         self.taught += 1
-        if isinstance(kept, Taken):
-            self.experience.learn(kept, is_now=False)
+        if isinstance(kept, Known):
+            self.experience.recall(kept)
         elif isinstance(kept, Came):
             self.ranges_of(kept.plan).learn(kept.span, kept.off)
         elif isinstance(kept, ScoredDay):
@@ -66,6 +68,9 @@ class Expectations(NamedTuple):
     """Its variance."""
     dwell_s: Floats
     dwell_s2: Floats
+    late_s: Floats
+    """How long after its time a vehicle leaves where it waits for it; negative: before it."""
+    late_s2: Floats
     first_factor: float
     """What the way to the first stop takes over what is planned: nobody has measured it."""
     dwells_seen: Floats
@@ -73,7 +78,7 @@ class Expectations(NamedTuple):
     is_driven: NDArray[np.bool_]
     """Whether anybody has driven the leg to it."""
     early_scales: Floats
-    """Of a range's half widths, one a span of minutes ahead (`ranges`)."""
+    """Of a range's half widths, one a span of minutes ahead, planned and learned (`ranges`)."""
     late_scales: Floats
 
 
@@ -83,18 +88,19 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
     A leg that is begun later is expected as it will be then.
     """
     experience, stops = lessons.experience, legs.route.stops
-    travels, dwells, ahead_s = [], [], 0.0
-    for at, stop in enumerate(stops):
-        leg = legs.to(at)
+    known = [legs.to(at) for at in range(len(stops))]
+    travels, dwells, lates, ahead_s = [], [], [], 0.0
+    for at, leg in enumerate(known):
         expected = Expected(0.0, 0.0)
         if leg is not None:
             expected = experience.travel(leg, plan, t_ns, ahead_s)
         travels.append(expected)
-        dwells.append(experience.dwell(legs.keys[at], stop.dwell_s))
+        dwells.append(experience.dwell(legs.keys[at], plan, legs.boarding_s(at)))
+        lates.append(experience.late(legs.waits(at)))
         ahead_s += expected.seconds + dwells[-1].seconds
-    known = [legs.to(at) for at in range(len(stops))]
     scales = lessons.ranges_of(plan).scales()
     travel_s, travel_s2 = np.array(travels, dtype=np.float64).reshape(-1, 2).T
+    late_s, late_s2 = np.array(lates, dtype=np.float64).reshape(-1, 2).T
     dwell_s, dwell_s2 = np.array(dwells, dtype=np.float64).reshape(-1, 2).T
     return Expectations(
         route=legs.route,
@@ -103,6 +109,8 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
         travel_s2=travel_s2,
         dwell_s=dwell_s,
         dwell_s2=dwell_s2,
+        late_s=late_s,
+        late_s2=late_s2,
         first_factor=math.exp(experience.plan_off(plan, t_ns)),
         dwells_seen=np.array([experience.dwells_seen(key) for key in legs.keys]),
         is_driven=np.array(
@@ -113,10 +121,10 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
     )
 
 
-def as_planned(route: Route) -> Expectations:
-    """By the plan alone, as when nobody has driven yet."""
-    lessons = lessons_by(())
-    return expectations(lessons, Legs(route, route.route_id), route.route_id, 0)
+def as_planned(route: Route, leaves_ns: Floats | None = None) -> Expectations:
+    """By the plan alone, as when nobody has driven yet; `leaves_ns` as in `Legs`."""
+    legs = Legs(route, route.route_id, leaves_ns)
+    return expectations(lessons_by(()), legs, route.route_id, 0)
 
 
 def lessons_by(timetables: Sequence[Timetable], scored: TakeScores = lambda _: None) -> Lessons:

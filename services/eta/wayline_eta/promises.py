@@ -25,7 +25,7 @@ PROMISES_MAX = 2_000
 """Of one vehicle; the oldest are forgotten first."""
 
 StopKey = tuple[str | None, str]
-"""Trip (None on a route without) and stop."""
+"""Trip (None on a route without, and where it is not certain) and stop."""
 
 
 class Promise(NamedTuple):
@@ -84,12 +84,12 @@ class Promises:
         """Take what the vehicle did at a stop."""
         key = event.trip_id, event.stop_id
         if event.kind == "skipped":
-            self._end(key, event.route_id, None)
+            self._end(event, None)
         elif event.kind != "departed" or key != self._standing:
             # a departure tells of an arrival only where the trip begins: nobody saw it come
             if event.kind != "departed":
                 self._seen[event.route_id].arrivals += 1
-            self._end(key, event.route_id, event.t_ns)
+            self._end(event, event.t_ns)
         self._standing = key if event.kind == "arrived" else None
 
     def take(self, t_ns: int) -> list[Scored]:
@@ -127,11 +127,15 @@ class Promises:
             oldest_ns = sorted(each.made_ns for made in self._made.values() for each in made)
             self._keep(lambda each: each.made_ns > oldest_ns[too_many - 1])
 
-    def _end(self, key: StopKey, route_id: str, came_ns: int | None) -> None:
-        """Score what was told of a stop, but what was told after the vehicle had come."""
-        for promise in self._made.pop(key, ()):
-            if came_ns is None or promise.made_ns <= came_ns:
-                self._came[route_id].append(promise.came(came_ns))
+    def _end(self, event: StopEvent, came_ns: int | None) -> None:
+        """Score what was told of a stop, but what was told after the vehicle had come.
+
+        As long as it was not certain which trip the vehicle ran, none was named.
+        """
+        for key in dict.fromkeys(((event.trip_id, event.stop_id), (None, event.stop_id))):
+            for promise in self._made.pop(key, ()):
+                if came_ns is None or promise.made_ns <= came_ns:
+                    self._came[event.route_id].append(promise.came(came_ns))
 
     def _give_up(self, t_ns: int) -> None:
         """What is long overdue never comes."""

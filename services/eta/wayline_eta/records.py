@@ -22,9 +22,18 @@ class Taken(msgspec.Struct, frozen=True):
     planned_s: float
     travel_s: float
     stop: str
-    """The key of the stop."""
+    """The key of the stop, or of the wait for its time there (`legs`)."""
     dwell_s: float
-    """0 where it passed."""
+    """0 where it passed; of a wait how long after its time it left, negative before it."""
+
+
+class Known(msgspec.Struct, frozen=True):
+    """What all that was taken has taught of one quantity: a `Forgetful` under its key."""
+
+    key: str
+    weight: float
+    mean: float
+    square: float
 
 
 class Came(msgspec.Struct, frozen=True):
@@ -35,7 +44,7 @@ class Came(msgspec.Struct, frozen=True):
     """The key of the stop."""
     plan: str
     span: int
-    """Of the minutes ahead, see `ranges`."""
+    """Of the minutes ahead, and whether it was learned, see `ranges`."""
     off: float
     """By how many half widths of its range the arrival was late; negative: early."""
 

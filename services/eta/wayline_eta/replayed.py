@@ -26,7 +26,7 @@ def _store(replay: ReplayedDrive, lessons: Lessons) -> EtaStore | None:
     """Where a database is named, with what it has kept told."""
     if replay.database_url is None:
         return None
-    tables = EtaTables(open_database(replay.database_url, "wayline_eta"))
+    tables = EtaTables(open_database(replay.database_url, "wayline_eta"), lessons.zone)
     for kept in tables.look():
         lessons.remember(kept)
     return EtaStore(tables, replay.drive.drive.vehicle_id)

@@ -106,7 +106,13 @@ class RouteFollower:
             return None
         if self._along is None:
             stands = abs(self._speed_mps) < self._tuning.eta_standing_mps
-            return Seen(self._pose.t_ns, self._place.total_m, stands, reported=False)
+            return Seen(
+                self._pose.t_ns,
+                self._place.total_m,
+                stands,
+                reported=False,
+                speed_mps=self._speed_mps,
+            )
         along = self._along.at(self._pose.t_ns)
         if self._has_turned:
             return Seen(self._pose.t_ns, self._last_m, True, reported=True, stood_s=along.stood_s)
@@ -254,9 +260,10 @@ class RouteFollower:
         return Outlook(
             t_ns=at_ns,
             total_m=total_m,
-            served_m=max(self._visits.served_m, total_m),
+            served_m=self._visits.served_by(total_m, self._speed_mps),
             distance_std_m=self._place.along_std_m,
             stand=self._visits.stand(at_ns),
+            drives=self._speed_mps >= self._tuning.eta_standing_mps,
         )
 
     def _total_at(self, t_ns: int) -> float:

@@ -4,6 +4,7 @@ What happened between two sightings is reckoned: the way between them took as lo
 was driven from stop to stop as planned.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from wayline.messages import StopEventKind
 from wayline.route import Route
 from wayline_eta.expected_motion import ExpectedMotion
+from wayline_eta.stop_visits import stands_within_m
 
 Floats = NDArray[np.float64]
 
@@ -37,6 +39,8 @@ class Seen(NamedTuple):
     reported: bool
     stood_s: float = 0.0
     """Since it came to where it stands, as far as that is known."""
+    speed_mps: float = 0.0
+    """Where it is seen all the time."""
 
 
 class Happening(NamedTuple):
@@ -58,6 +62,8 @@ class StopLog:
         self._order = np.argsort(route.stop_distances_m, kind="stable").tolist()
         self._next = 0
         """The visit that comes next; they are counted on over the laps."""
+        self._crossed: list[Happening] = []
+        """Of the next visits those whose places it has gone past, by no more than it may err."""
         self._at: int | None = None
         """The visit that lasts."""
         self._last: Seen | None = None
@@ -83,12 +89,14 @@ class StopLog:
         """The vehicle has begun another trip: what is left of an open route is left out."""
         if self._route.loop or self._last is None:
             return []
-        left = range(self._next, len(self._order))
+        passed, self._crossed = self._crossed, []
+        left = range(self._next + len(passed), len(self._order))
         self._next = len(self._order)
-        return [self._happening(t_ns, visit, "skipped", reckoned=True) for visit in left]
+        skipped = [self._happening(t_ns, visit, "skipped", reckoned=True) for visit in left]
+        return [*passed, *skipped]
 
     def _begin(self, seen: Seen) -> None:
-        self._at, self._next = None, 0
+        self._at, self._next, self._crossed = None, 0, []
         if not self._order:
             return
         if self._route.loop:
@@ -112,23 +120,36 @@ class StopLog:
         return [self._happening(t_ns, visit, "departed", reckoned=_unseen(last, seen))]
 
     def _passes(self, last: Seen, seen: Seen) -> list[Happening]:
-        passed = []
-        while self._is_visit(self._next):
-            ahead_m = self._place_m(self._next) - seen.total_m
-            if ahead_m > 0.0 or (seen.stands and -ahead_m <= _near(seen)):
-                break
-            passed.append(self._next)
+        """What lies behind; who has just gone past may still stand there, or has only erred."""
+        self._crossed += self._crossings(last, seen)
+        passed: list[Happening] = []
+        while self._crossed and self._has_passed(self._next, seen):
+            passed.append(self._crossed.pop(0))
             self._next += 1
-        if not passed:
-            return []
+        return passed
+
+    def _has_passed(self, visit: int, seen: Seen) -> bool:
+        past_m, near_m = seen.total_m - self._place_m(visit), _near(seen)
+        if seen.stands or seen.reported:
+            return past_m > near_m or not seen.stands
+        left_m = math.inf if self._route.loop else self._route.length_m - self._place_m(visit)
+        return past_m >= min(stands_within_m(near_m, seen.speed_mps), left_m)
+
+    def _crossings(self, last: Seen, seen: Seen) -> list[Happening]:
+        """The stops whose places a vehicle has gone past since it was seen last."""
+        crossed = []
+        visit = self._next + len(self._crossed)
+        while self._is_visit(visit) and self._place_m(visit) <= seen.total_m:
+            crossed.append(visit)
+            visit += 1
         apart_s = max((seen.t_ns - last.t_ns) * 1e-9, 1e-3)
         if self._was_off or seen.total_m - last.total_m > FASTEST_MPS * apart_s + GOES_BACK_M:
-            return [self._happening(seen.t_ns, each, "skipped", reckoned=True) for each in passed]
-        times_ns = self._times_ns(last, seen, passed)
+            return [self._happening(seen.t_ns, each, "skipped", reckoned=True) for each in crossed]
+        times_ns = self._times_ns(last, seen, crossed)
         reckoned = _unseen(last, seen)
         return [
             self._happening(t_ns, each, "passed", reckoned=reckoned)
-            for each, t_ns in zip(passed, times_ns, strict=True)
+            for each, t_ns in zip(crossed, times_ns, strict=True)
         ]
 
     def _arrival(self, last: Seen, seen: Seen) -> list[Happening]:
@@ -138,6 +159,7 @@ class StopLog:
             if abs(self._place_m(self._next) - seen.total_m) > _near(seen):
                 break
             self._at, self._next = self._next, self._next + 1
+            del self._crossed[:1]
             reckoned = _unseen(last, seen) and last.total_m < seen.total_m
             came_ns = seen.t_ns - round(seen.stood_s * 1e9)
             t_ns = min(max(came_ns, last.t_ns), seen.t_ns) if reckoned else seen.t_ns

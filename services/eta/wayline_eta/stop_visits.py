@@ -21,6 +21,10 @@ BOARDING_S = 20.0
 """At stops where vehicles wait for their time the plan's dwell is mostly that: late ones board."""
 GOES_BACK_M = 100.0
 """A place this far behind the last served stop is a new trip (or a mistake undone)."""
+BRAKING_MPS2 = 1.0
+"""Of a bus with standing passengers that comes to a stop."""
+SAME_M = 1e-3
+"""Places of one stop, summed over laps, differ by less: sums are rounded."""
 
 
 class StopVisits:
@@ -41,6 +45,23 @@ class StopVisits:
         """Stops up to here have been arrived at."""
         return 0.0 if self._served_m is None else self._served_m
 
+    def served_by(self, total_m: float, speed_mps: float) -> float:
+        """Stops up to where a vehicle that is at a place, at a speed, has arrived at.
+
+        Who can still stand within the radius of a stop that lies just behind has not passed it.
+        """
+        served_m, radius_m = self.served_m, self._tuning.stop_radius_m
+        if total_m <= served_m:
+            return served_m
+        free_m = stands_within_m(radius_m, speed_mps)
+        if free_m <= 0.0:
+            return total_m
+        place_m = float(
+            next_visits_m(self._route, max(served_m, total_m - free_m)).min(initial=math.inf)
+        )
+        is_end = not self._route.loop and total_m >= self._route.length_m
+        return total_m if place_m > total_m or is_end else place_m - 2.0 * SAME_M
+
     def run_as(self, route: Route, leaves_ns: Floats | None = None) -> None:
         """Go on by another plan of the same line: other dwells, other earliest departures."""
         self._route, self._earliest_ns = route, leaves_ns
@@ -48,7 +69,8 @@ class StopVisits:
     def observe(self, total_m: float, speed_mps: float, t_ns: int) -> None:
         """Take the vehicle's next place and speed."""
         served_m = total_m if self._served_m is None else self._served_m
-        self._served_m = max(served_m, total_m)
+        self._served_m = served_m
+        self._served_m = self.served_by(total_m, speed_mps)
         if total_m < served_m - GOES_BACK_M:
             self._served_m, self._stood_at_m = total_m, None
         if abs(speed_mps) < self._tuning.eta_standing_mps:
@@ -100,6 +122,11 @@ class StopVisits:
         return moving or abs(total_m - stood_at_m) > self._tuning.stop_radius_m
 
 
+def stands_within_m(radius_m: float, speed_mps: float) -> float:
+    """How far behind a stop a vehicle may be that can still stand within a radius of it."""
+    return max(radius_m - speed_mps**2 / (2.0 * BRAKING_MPS2), 0.0)
+
+
 def next_visits_m(route: Route, after_m: float) -> Floats:
     """Where each stop is next reached beyond a distance, shape (stops,).
 
@@ -108,5 +135,5 @@ def next_visits_m(route: Route, after_m: float) -> Floats:
     places_m = route.stop_distances_m
     if not route.loop:
         return np.where(places_m > after_m, places_m, math.inf)
-    laps = np.floor((after_m - places_m) / route.length_m) + 1.0
+    laps = np.floor((after_m - places_m + SAME_M) / route.length_m) + 1.0
     return np.asarray(places_m + laps * route.length_m)

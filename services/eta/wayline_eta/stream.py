@@ -1,7 +1,7 @@
 """Arrivals and progress of vehicles as server-sent events, at the pace that a reader takes."""
 
 import asyncio
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Annotated
 
@@ -9,7 +9,7 @@ import msgspec
 from fastapi.sse import format_sse_event
 from msgspec import UNSET, Meta
 
-from wayline.messages import Arrivals, Progress
+from wayline.messages import LIST_MAX, Arrivals, Progress
 from wayline_eta.answers import (
     ArrivalAnswer,
     ProgressAnswer,
@@ -39,6 +39,7 @@ class StreamParameters(msgspec.Struct, frozen=True, kw_only=True):
         Annotated[float, Meta(gt=0.0, le=1440.0, description="Only arrivals due within so long")]
         | msgspec.UnsetType
     ) = UNSET
+    limit: Annotated[int, Meta(ge=1, le=LIST_MAX, description="Arrivals of an event")] = 100
 
 
 class VehicleArrivals(msgspec.Struct, frozen=True, kw_only=True):
@@ -111,9 +112,8 @@ class Reader:
         def make() -> VehicleArrivals:
             stop_id = None if self.asked.stop_id is UNSET else self.asked.stop_id
             found = soonest_first(arrival_answers(vehicle_id, known, now_ns, stop_id)).arrivals
-            return VehicleArrivals(
-                vehicle_id=vehicle_id, arrivals=tuple(filter(self._asks_for, found))
-            )
+            chosen = tuple(filter(self._asks_for, found))[: self.asked.limit]
+            return VehicleArrivals(vehicle_id=vehicle_id, arrivals=chosen)
 
         basis = heard.message.t_ns, heard.receipt.at_ns
         body = self.rendered.of_one(("arrivals", vehicle_id, self.asked), basis, make)
@@ -127,16 +127,21 @@ class Reader:
 
 
 async def stream(
-    reader: Reader, *, period_s: float = PERIOD_S, heartbeat_s: float = HEARTBEAT_S
+    reader: Reader,
+    is_ending: Callable[[], bool] = lambda: False,
+    *,
+    period_s: float = PERIOD_S,
+    heartbeat_s: float = HEARTBEAT_S,
 ) -> AsyncIterator[bytes]:
-    """All that is known, then what is new, until the reader goes; now and then that nothing is.
+    """All that is known, then what is new, until the reader or the service goes.
 
+    Now and then it says that there is nothing new.
     Nothing is queued: whoever takes the bytes waits while the socket is full, and the next turn
     tells the newest. So a slow reader gets less and costs no memory.
     """
     loop = asyncio.get_running_loop()
     sent_s = loop.time()
-    while True:
+    while not is_ending():
         if events := b"".join(reader.news()):
             yield events
             sent_s = loop.time()

@@ -20,6 +20,17 @@ TAKEN = sa.Table(
     sa.Index("eta_taken_t_ns", "t_ns"),
 )
 
+KNOWN = sa.Table(
+    "eta_known",
+    METADATA,
+    # of a quantity that is learned, see `experience.teachings`
+    sa.Column("key", sa.Text, primary_key=True),
+    # of its `Forgetful`
+    sa.Column("weight", sa.Float, nullable=False),
+    sa.Column("mean", sa.Float, nullable=False),
+    sa.Column("square", sa.Float, nullable=False),
+)
+
 CAME = sa.Table(
     "eta_came",
     METADATA,

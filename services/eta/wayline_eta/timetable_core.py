@@ -1,7 +1,7 @@
 """Pure: poses of one vehicle into progress and arrivals on the trip of a timetable that it runs."""
 
 from collections.abc import Iterator, Sequence
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import msgspec
 
@@ -21,6 +21,8 @@ from wayline.node import Node
 from wayline.timetable.runs import PatternPlace, Run, Runs
 from wayline.tuning import Tuning
 from wayline_eta import stop_events, trip_arrivals
+from wayline_eta.arrivals import Outlook
+from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.forecaster import Forecaster
 from wayline_eta.lessons import Lessons, lessons_by
 from wayline_eta.records import Learned
@@ -33,6 +35,13 @@ from wayline_eta.trip_fit import Followed, is_same
 SECOND_NS = 1_000_000_000
 
 RunKey = tuple[PatternPlace, str, int]
+
+
+class Following(NamedTuple):
+    """A trip that is still to begin."""
+
+    forecaster: Forecaster
+    motion: ExpectedMotion
 
 
 def timetable_node(
@@ -72,6 +81,8 @@ class TimetableEtaCore:
     ) -> None:
         self._lessons = lessons or lessons_by(runs.feeds)
         self._scoring = Scoring(self._lessons.scored)
+        self._following: dict[RunKey, Following] = {}
+        """Of the block's next trip, once it is told of."""
         self._forecaster: Forecaster | None = None
         self._forecast_of: RunKey | None = None
         """The run that it is of."""
@@ -145,16 +156,21 @@ class TimetableEtaCore:
 
     def _forecaster_of(self, run: Run) -> Forecaster:
         if self._forecaster is None or self._forecast_of != _key(run):
-            scope = f"feed {run.pattern_place[0]}"
             self._forecast_of = _key(run)
-            self._forecaster = Forecaster(
-                run.trip_route.route,
-                self._lessons,
-                scope=scope,
-                plan=f"{scope}|{run.pattern.route_id}",
-                sequences=run.trip_route.sequences,
-            )
+            begun = self._following.pop(_key(run), None)
+            self._forecaster = self._made_for(run) if begun is None else begun.forecaster
         return self._forecaster
+
+    def _made_for(self, run: Run) -> Forecaster:
+        scope = f"feed {run.pattern_place[0]}"
+        return Forecaster(
+            run.trip_route.route,
+            self._lessons,
+            scope=scope,
+            plan=f"{scope}|{run.pattern.route_id}",
+            sequences=run.trip_route.sequences,
+            leaves_ns=run.leaves_ns,
+        )
 
     def _tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
         pose, current = self._pose, self._choice.current
@@ -212,7 +228,21 @@ class TimetableEtaCore:
         if not self._choice.is_certain:
             rivals = [rival.trip_route.route for rival in self._choice.rivals]
             return trip_arrivals.before_the_fork(told, rivals)
-        return (*told, *trip_arrivals.of_next_run(self._choice.next_run, told))
+        return (*told, *self._next_stops(told, t_ns))
+
+    def _next_stops(self, told: tuple[StopArrival, ...], t_ns: int) -> tuple[StopArrival, ...]:
+        """Of the block's next trip, once the vehicle has come to the end of this one."""
+        run = self._choice.next_run
+        if run is None or not told:
+            return ()
+        if _key(run) not in self._following:
+            motion = ExpectedMotion(run.trip_route.route, run.leaves_ns)
+            self._following = {_key(run): Following(self._made_for(run), motion)}
+        forecaster, motion = self._following[_key(run)]
+        begins = forecaster.begins(told[-1], run.departs_ns, t_ns)
+        first_m = float(run.trip_route.route.stop_distances_m[0])
+        visits = forecaster.visits(Outlook(t_ns, first_m, first_m, 0.0, begins), t_ns, motion)
+        return trip_arrivals.of_next_run(run, told, begins, visits, t_ns)
 
     def _arrivals(
         self,

@@ -8,6 +8,7 @@ from wayline.route import Route
 from wayline.timetable.clock_times import clock_of_seconds
 from wayline.timetable.runs import Run
 from wayline_eta.arrivals import Visit
+from wayline_eta.stands import Stand
 
 SECOND_NS = 1_000_000_000
 
@@ -32,34 +33,34 @@ def of_run(run: Run, visits: Sequence[Visit]) -> tuple[StopArrival, ...]:
     )
 
 
-def of_next_run(run: Run | None, before: Sequence[StopArrival]) -> tuple[StopArrival, ...]:
+def of_next_run(
+    run: Run, before: Sequence[StopArrival], begins: Stand, visits: Sequence[Visit], t_ns: int
+) -> tuple[StopArrival, ...]:
     """Arrivals of the block's next trip after those of the present one, each stop once.
 
-    It leaves at its time, or as soon as the vehicle has come; the spread goes on as it is.
+    It `begins` so many seconds from an instant; the first stop is told by its departure.
     """
-    if run is None or not before:
-        return ()
     end, route, plan = before[-1], run.trip_route.route, run.trip_route.plan
-    leaves_ns = max(run.departs_ns, end.arrival_ns)
-    late_ns = leaves_ns - run.departs_ns
+    early_ns, leaves_ns, late_ns = (t_ns + round(each * SECOND_NS) for each in begins)
+    times = [Visit(0, 0.0, False, leaves_ns, early_ns, late_ns, leaves_ns, 0, 0), *visits]
     seen = {stop.stop_id for stop in before}
     found: dict[str, StopArrival] = {}
-    for at, stop in enumerate(route.stops):
+    for visit in times:
+        at, stop = visit.stop, route.stops[visit.stop]
         if stop.stop_id in seen or len(seen) + len(found) >= LIST_MAX:
             continue
         time_s = plan.departures_s[at] if at == 0 else plan.arrivals_s[at]
-        scheduled_ns = run.starts_ns + round(float(time_s) * SECOND_NS)
         arrival = StopArrival(
             stop_id=stop.stop_id,
             name=stop.name,
             distance_m=end.distance_m + stop.distance_m,
-            arrival_ns=scheduled_ns + late_ns,
-            early_ns=scheduled_ns,
-            late_ns=scheduled_ns + late_ns + (end.late_ns - end.arrival_ns),
-            departure_ns=scheduled_ns + late_ns + round(stop.dwell_s * SECOND_NS),
-            scheduled_ns=_promised(run, scheduled_ns),
+            arrival_ns=visit.arrival_ns,
+            early_ns=visit.early_ns,
+            late_ns=visit.late_ns,
+            departure_ns=visit.departure_ns,
+            scheduled_ns=_promised(run, _planned_ns(run, float(time_s))),
             trip_id=run.trip.trip_id,
-            confidence="timetable",
+            confidence="learned" if visit.is_learned else "timetable",
             stop_sequence=run.trip_route.sequences[at],
         )
         found.setdefault(stop.stop_id, arrival)

@@ -42,7 +42,7 @@ def build(settings: Settings, options: Namespace) -> Service:
         del source
         trip = store.ask(lambda kept: kept.under_way(vehicle_id)) or UnderWay()
         core = HistoryCore(
-            vehicle_id, known=trip.rows, known_fixes=trip.fixes, refused_ns=trip.refused_ns
+            vehicle_id, known=trip.rows, fixes=trip.fixes, refused_ns=trip.refused_ns
         )
         return Node(NAME, core, store.of(vehicle_id))
 

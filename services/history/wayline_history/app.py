@@ -8,8 +8,9 @@ from fastapi import FastAPI, Request
 from prometheus_client import CollectorRegistry
 from starlette.responses import StreamingResponse
 
-from wayline.http import Healthz, JsonAnswer, answers, create_service_app
+from wayline.http import AWAY_RESPONSES, Healthz, JsonAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
+from wayline.keys import is_vehicle_id
 from wayline.parameters import describe_parameters, read_parameters
 from wayline.query_error import QueryError
 from wayline_history.answers import EventList, TripAnswer, TripList, event_list, trip_answer
@@ -63,7 +64,7 @@ def _add_track(app: FastAPI, archive: Archive, now_ns: Callable[[], int]) -> Non
 
     @app.get(
         "/v1/vehicles/{vehicle_id}/track",
-        responses=_as("json"),
+        responses=_as("json") | AWAY_RESPONSES,
         openapi_extra=describe_parameters(PagedTrackParameters),
         tags=["history"],
     )
@@ -79,7 +80,7 @@ def _add_track(app: FastAPI, archive: Archive, now_ns: Callable[[], int]) -> Non
 
     @app.get(
         "/v1/vehicles/{vehicle_id}/track.{form}",
-        responses=_as("gpx") | {},
+        responses=_as("gpx") | AWAY_RESPONSES,
         openapi_extra=parameters,
         tags=["history"],
     )
@@ -108,14 +109,16 @@ def _opened(
 
 
 def _check_known(archive: Archive, vehicle_id: str) -> None:
-    if not archive.read(lambda reader: reader.is_known(vehicle_id)):
+    # a name that can be none is not asked for: databases have their own ideas of texts
+    is_known = is_vehicle_id(vehicle_id) and archive.read(lambda each: each.is_known(vehicle_id))
+    if not is_known:
         raise QueryError(404, f"nothing is kept of a vehicle {vehicle_id}")
 
 
 def _add_trips(app: FastAPI, archive: Archive, now_ns: Callable[[], int]) -> None:
     @app.get(
         "/v1/vehicles/{vehicle_id}/trips",
-        responses=answers(TripList),
+        responses=answers(TripList) | AWAY_RESPONSES,
         openapi_extra=describe_parameters(StretchParameters),
         tags=["history"],
     )
@@ -126,17 +129,21 @@ def _add_trips(app: FastAPI, archive: Archive, now_ns: Callable[[], int]) -> Non
         found = archive.read(lambda reader: reader.trips(vehicle_id, *stretch))
         return JsonAnswer(TripList(tuple(trip_answer(*each) for each in found)))
 
-    @app.get("/v1/vehicle-trips/{trip_key}", responses=answers(TripAnswer), tags=["history"])
+    @app.get(
+        "/v1/vehicle-trips/{trip_key}",
+        responses=answers(TripAnswer) | AWAY_RESPONSES,
+        tags=["history"],
+    )
     def trip(trip_key: str) -> JsonAnswer:
         """One trip."""
-        found = archive.read(lambda reader: reader.trip(trip_key))
+        found = archive.read(lambda each: each.trip(trip_key)) if trip_key.isprintable() else None
         if found is None:
             raise QueryError(404, f"no trip {trip_key} is kept")
         return JsonAnswer(trip_answer(*found))
 
     @app.get(
         "/v1/vehicles/{vehicle_id}/events",
-        responses=answers(EventList),
+        responses=answers(EventList) | AWAY_RESPONSES,
         openapi_extra=describe_parameters(EventsParameters),
         tags=["history"],
     )

@@ -1,6 +1,6 @@
 """Pure: one vehicle's history: which rows are kept, what happened, where a trip ends."""
 
-from collections import defaultdict, deque
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
@@ -33,23 +33,24 @@ from wayline_history.layouts import (
     Layout,
 )
 from wayline_history.records import Piece, Rows
-from wayline_history.samples import fix_of, sample_of
+from wayline_history.samples import Sample, fix_of, sample_of
+from wayline_history.travelled import SourcedFix
 from wayline_history.trip_cutter import TripCutter
 
 SECOND_NS = 1_000_000_000
 PIECE_NS = 10 * SECOND_NS
 """So much is lost of a process that is killed."""
 PIECE_ROWS = 2_000
-UNDER_WAY_PIECES = 6
+UNDER_WAY_PIECES = 30
 """The trip under way is kept with every so many pieces."""
 
 
 class HistoryCore:
     """Takes what a vehicle's services publish; gives pieces for the store, and trips.
 
-    `piece_ns` is how much measurement time a piece spans; `known` are the rows of poses of a trip
-    that may still be under way, as they were kept before, `known_fixes` the fixes since its
-    beginning with their sources, and `refused_ns` when measurements were refused since.
+    `piece_ns` is how much measurement time a piece spans. Of a trip that may still be under way, as
+    it was kept before: `known` are the rows of its poses, `fixes` its fixes, `refused_ns` when
+    measurements were refused.
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset(
@@ -63,12 +64,12 @@ class HistoryCore:
         *,
         piece_ns: int = PIECE_NS,
         known: Iterable[Sequence[int]] = (),
-        known_fixes: Iterable[tuple[GpsFix, str]] = (),
+        fixes: Iterable[SourcedFix] = (),
         refused_ns: Iterable[int] = (),
     ) -> None:
         self._piece_ns = piece_ns
         self._cutter = TripCutter(vehicle_id)
-        self._remember(known, known_fixes)
+        self._resume(known, fixes)
         for t_ns in refused_ns:
             self._cutter.refuse(t_ns)
         self._rows: dict[Kind, list[tuple[int, ...]]] = defaultdict(list)
@@ -82,6 +83,18 @@ class HistoryCore:
         self._progress_second = 0
         self._engine = NULL
         self._pieces = 0
+
+    def _resume(self, known: Iterable[Sequence[int]], fixes: Iterable[SourcedFix]) -> None:
+        """Give the cutter what was kept, in order of time."""
+        told: list[tuple[int, SourcedFix | Sample | None]] = [
+            *((each.fix.t_ns, each) for each in fixes),
+            *((row[0] * US, sample_of(row)) for row in known),
+        ]
+        for _, each in sorted(told, key=lambda pair: pair[0]):
+            if isinstance(each, SourcedFix):
+                self._cutter.fix(each)
+            else:
+                self._cutter.take(each)
 
     def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record | Sleep]:
         """Take one input."""
@@ -105,18 +118,6 @@ class HistoryCore:
                 outputs = [*self._told(self._cutter.finish()), *self._hand_over(is_last=True)]
         return outputs
 
-    def _remember(
-        self, poses: Iterable[Sequence[int]], fixes: Iterable[tuple[GpsFix, str]]
-    ) -> None:
-        waiting = deque(fixes)
-        for row in poses:
-            # a pose comes when the fix of its instant has told
-            while waiting and waiting[0][0].t_ns <= row[0] * US:
-                self._cutter.fix(*waiting.popleft())
-            self._cutter.take(sample_of(row))
-        for fix, source in waiting:
-            self._cutter.fix(fix, source)
-
     def _take_pose(self, pose: Pose) -> Sequence[Message | Record]:
         second = pose.t_ns // SECOND_NS
         if second == self._second:
@@ -131,8 +132,7 @@ class HistoryCore:
         if fix.lat_deg is None or fix.lon_deg is None:
             return ()
         row = self._keep(FIXES, fix, **{SOURCE: source})
-        if fix.valid:
-            self._cutter.fix(fix_of(row), source)
+        self._cutter.fix(SourcedFix(source, fix_of(row)))
         return self._due(fix.t_ns)
 
     def _take_progress(self, progress: Progress) -> Sequence[Record]:
@@ -173,7 +173,7 @@ class HistoryCore:
         return [trip]
 
     def _is_due_under_way(self) -> bool:
-        """Once a minute: a long trip has many stops."""
+        """Once in five minutes: what it takes is a bit of a whole trip's."""
         self._pieces += 1
         return self._pieces % UNDER_WAY_PIECES == 0
 

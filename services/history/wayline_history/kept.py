@@ -10,16 +10,18 @@ import sqlalchemy as sa
 from wayline.core import Record
 from wayline.host_clock import told_ns
 from wayline.keys import FLEET
-from wayline.messages import GpsFix
 from wayline.spool import Waiting
 from wayline_history.chunk import Chunk
+from wayline_history.core import PIECE_NS
 from wayline_history.housekeeping import Housekeeping, Limits
-from wayline_history.layouts import US
+from wayline_history.layouts import SOURCE, US
 from wayline_history.losses import Losses
-from wayline_history.messages_again import messages_of
+from wayline_history.points import shown
 from wayline_history.reading import HistoryReader
 from wayline_history.records import Event, Piece
-from wayline_history.store import HistoryStore
+from wayline_history.samples import fix_of
+from wayline_history.store import Alive, HistoryStore
+from wayline_history.travelled import SourcedFix
 from wayline_history.trip_cutter import SILENCE_NS
 
 GAP_NS = 5_000_000_000
@@ -37,10 +39,9 @@ class UnderWay(NamedTuple):
 
     rows: Sequence[Sequence[int]] = ()
     """Of its poses."""
+    fixes: Sequence[SourcedFix] = ()
     refused_ns: Sequence[int] = ()
     """When measurements were refused."""
-    fixes: Sequence[tuple[GpsFix, str]] = ()
-    """With their sources."""
 
 
 class Openings:
@@ -99,30 +100,38 @@ class HistoryTables:
             if rows and row[0] - rows[-1][0] > SILENCE_NS // US:
                 rows = []
             rows.append(row)
-        since = rows[0][0] * US, span[1]
-        refused = _rows(self._reader.rows(vehicle_id, "refused", *since))
+        since = rows[0][0] * US, span[1] + US
         fixes = [
-            (fix, source)
+            SourcedFix(source, fix_of(row))
             for chunk in self._reader.rows(vehicle_id, "raw", *since)
-            for source, fix in messages_of(chunk)
-            if isinstance(fix, GpsFix)
+            for source, row in zip(shown(chunk, SOURCE), chunk.values.tolist(), strict=True)
         ]
-        return UnderWay(rows, [row[0] * US for row in refused], fixes)
+        refused = _rows(self._reader.rows(vehicle_id, "refused", *since))
+        return UnderWay(rows, fixes, [row[0] * US for row in refused])
 
     def _keep(self, records: Sequence[tuple[str, Record]]) -> None:
         alive_ns = told_ns()
         pieces = [(vehicle_id, each) for vehicle_id, each in records if isinstance(each, Piece)]
-        self._store.save(pieces, alive_ns)
+        is_whole = any(piece.is_last for _, piece in pieces)
+        self._store.save(pieces, Alive(alive_ns, is_whole))
         self._alive_ns = alive_ns
 
     def _tell_gap(self) -> None:
-        kept_ns, now_ns = self._store.alive_ns(), told_ns()
+        alive, now_ns = self._store.alive(), told_ns()
         was_running = self._openings.count > 0
         self._openings.count += 1
-        if kept_ns is None or now_ns - kept_ns < GAP_NS:
+        if alive is None or now_ns - alive.t_ns < GAP_NS:
             return
+        # what was on its way when the process was killed is lost too; a database alone loses none
+        on_its_way_ns = 0 if alive.is_whole or was_running else PIECE_NS
         detail = "the database was away or full" if was_running else "history was not running"
-        gap = Event(t_ns=kept_ns, until_ns=now_ns, kind="gap", name="history", detail=detail)
+        gap = Event(
+            t_ns=alive.t_ns - on_its_way_ns,
+            until_ns=now_ns,
+            kind="gap",
+            name="history",
+            detail=detail,
+        )
         self._keep([(FLEET, Piece(events=(gap,)))])
 
     def _tidy(self) -> None:

@@ -32,10 +32,10 @@ class Column(NamedTuple):
     """Goes on as before, so that its differences differ by less than it does itself."""
     words: tuple[str, ...] = ()
     """Where it is one of a few words: these; the row holds which."""
-    is_flag: bool = False
-    """0 or 1."""
     is_text: bool = False
     """Where it is free text: the row holds its number among the texts beside it."""
+    is_flag: bool = False
+    """0 or 1 for false or true."""
     is_apart: bool = False
     """Rows of one instant that differ in it are several."""
 
@@ -120,12 +120,13 @@ FIXES = Layout(
         Column("course_deg", 100.0),
         Column("fix", words=get_args(FixKind)),
         Column("mode"),
+        Column("speed_derived", is_flag=True),
         Column("satellites"),
         Column("hdop", 100.0),
         Column("pdop", 100.0),
         Column("h_std_m", 100.0),
         Column("speed_std_mps", 100.0),
-        Column("speed_derived", is_flag=True),
+        Column("repeat", is_flag=True),
         Column(SOURCE, is_text=True, is_apart=True),
     ),
 )

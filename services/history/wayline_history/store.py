@@ -30,6 +30,14 @@ class KeptChunk(NamedTuple):
     data: bytes
 
 
+class Alive(NamedTuple):
+    """How far the history is kept, by the host's clock."""
+
+    t_ns: int
+    is_whole: bool
+    """The cores had ended: nothing was on its way."""
+
+
 class HistoryStore:
     """The history on an engine from `open_database(url, "wayline_history")`.
 
@@ -40,10 +48,10 @@ class HistoryStore:
         self._engine, self._clock_s = engine, clock_s
         self._numbers: dict[str, int] = {}
 
-    def save(self, pieces: Iterable[tuple[str, Piece]], alive_ns: int | None = None) -> None:
+    def save(self, pieces: Iterable[tuple[str, Piece]], alive: Alive | None = None) -> None:
         """Keep the pieces of vehicles durably before returning: all of them or none.
 
-        `alive_ns` is how far the history is kept with them, by the host's clock.
+        `alive` is how far the history is kept with them.
         """
         pieces = list(pieces)
         chunks = [(vehicle, chunk) for vehicle, piece in pieces for chunk in _chunks(piece.rows)]
@@ -60,14 +68,15 @@ class HistoryStore:
                 _put_trips(connection, numbers[vehicle], under_way, is_over=False)
                 _put_trips(connection, numbers[vehicle], piece.trips, is_over=True)
             _add_sizes(connection, sizes, int(self._clock_s()))
-            if alive_ns is not None:
-                _set_alive(connection, alive_ns)
+            if alive is not None:
+                _set_alive(connection, alive)
         self._numbers |= numbers
 
-    def alive_ns(self) -> int | None:
-        """How far the history was kept, by the host's clock; None of a new one."""
+    def alive(self) -> Alive | None:
+        """How far the history was kept; None of a new one."""
         with self._engine.connect() as connection:
-            return connection.execute(sa.select(ALIVE.c.t_ns)).scalar()
+            row = connection.execute(sa.select(ALIVE.c.t_ns, ALIVE.c.is_whole)).first()
+        return None if row is None else Alive(*row)
 
     def _numbered(self, connection: sa.Connection, vehicle_ids: set[str]) -> Mapping[str, int]:
         """The numbers of vehicles; new ones get theirs."""
@@ -194,9 +203,9 @@ def _add_sizes(connection: sa.Connection, sizes: Counter[int], written_s: int) -
     )
 
 
-def _set_alive(connection: sa.Connection, alive_ns: int) -> None:
-    insert = _inserting(connection, ALIVE).values(only=1, t_ns=alive_ns)
-    newer = {"t_ns": insert.excluded.t_ns}
+def _set_alive(connection: sa.Connection, alive: Alive) -> None:
+    insert = _inserting(connection, ALIVE).values(only=1, **alive._asdict())
+    newer = {name: insert.excluded[name] for name in Alive._fields}
     connection.execute(insert.on_conflict_do_update(index_elements=[ALIVE.c.only], set_=newer))
 
 

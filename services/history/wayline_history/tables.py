@@ -73,4 +73,6 @@ ALIVE = sa.Table(
     sa.Column("only", sa.Integer, primary_key=True),
     # by the host's clock, when the history was last known to be kept
     sa.Column("t_ns", sa.BigInteger, nullable=False),
+    # whether the cores had ended, so that nothing was on its way to be kept
+    sa.Column("is_whole", sa.Boolean, nullable=False),
 )

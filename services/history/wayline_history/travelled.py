@@ -1,98 +1,126 @@
-"""Pure: how far a vehicle has come on a trip, by its wheels and fixes (`wayline.trip_distance`).
+"""Pure: how far a vehicle has come on a trip, with its std, from fixes and the wheels in poses.
 
-A trip may last a day, so it is summed up in stretches; fixes are kept of the last one alone.
+The distance of a stretch is `wayline.trip_distance`'s: wheels that fixes measure, else smoothed
+speeds of fixes. A trip is measured in stretches of five minutes, so that a day of driving is not
+held. Where neither tells (a pose a minute, no fix), fusion's own distance stands.
 """
 
 import math
+from collections import Counter
+from typing import NamedTuple
 
 from wayline.geo import step_between
 from wayline.messages import GpsFix, Pose
-from wayline.trip_distance.trip import TripMeter
-from wayline.trip_distance.trust import HOLE_S
+from wayline.trip_distance.trip import SPEED_SCALE_STD, TripMeter
 from wayline_history.samples import Sample
 
-STRETCH_FIXES = 600
-"""Of a stretch at least; it ends where fixes come one after the other."""
-STEADY_FIXES = 10
-COUNT_SCALE_STD = 0.005
-"""Of the way that fusion counts: how well it knows wheels or receivers."""
+STRETCH_NS = 300_000_000_000
+LATE_NS = 5_000_000_000
+"""Fixes of a stretch have come so long after its end."""
+COUNTED_SCALE_STD = 0.02
+"""Of the way that fusion counts, where no fix measures it."""
+
+
+class SourcedFix(NamedTuple):
+    """A fix and its receiver."""
+
+    source: str
+    fix: GpsFix
+
+
+class Way(NamedTuple):
+    """How far, and one sigma of it."""
+
+    distance_m: float
+    std_m: float
 
 
 class Travelled:
-    """Adds up the way of one trip, by the fixes of one receiver and by poses, as they come."""
+    """Measures a trip that began at an instant; poses come in order of time, fixes as they do."""
 
-    def __init__(self) -> None:
-        self._meter = TripMeter()
-        self._counted = Counted()
-        self._before_m = self._before_std_m = 0.0
-        """Of the stretches before; what they are off by they have in common."""
-        self._source: str | None = None
-        self._fix_ns: int | None = None
-        self._pose: Pose | None = None
-        self._fixes = self._steady_fixes = 0
+    def __init__(self, start: Sample, fixes: list[SourcedFix]) -> None:
+        self._behind = Way(0.0, 0.0)
+        """Of the stretches that are measured."""
+        self._anew_m = 0.0
+        """To be added to what fusion counts since it was started anew on the way."""
+        self._samples = [start]
+        self._fixes = [each for each in fixes if each.fix.t_ns >= start.t_ns]
 
-    def fix(self, fix: GpsFix, source: str) -> None:
-        """A fix as it was received; of several receivers the first one counts."""
-        self._source = self._source or source
-        if source != self._source:
-            return
-        apart_ns = None if self._fix_ns is None else fix.t_ns - self._fix_ns
-        is_steady = apart_ns is not None and 0 < apart_ns <= HOLE_S * 1e9
-        self._steady_fixes = self._steady_fixes + 1 if is_steady else 0
-        self._fix_ns, self._fixes = fix.t_ns, self._fixes + 1
-        self._meter.take(fix)
-        if self._fixes >= STRETCH_FIXES and self._steady_fixes >= STEADY_FIXES:
-            self._begin_stretch(fix)
+    def fix(self, sourced: SourcedFix) -> None:
+        """A fix, early or late."""
+        self._fixes.append(sourced)
 
     def pose(self, sample: Sample) -> None:
-        """Where the vehicle is, and how far fusion has counted."""
-        self._counted.take(sample)
-        counted_m, _ = self._counted.known
-        self._pose = Pose(t_ns=sample.t_ns, mode=sample.mode, distance_m=counted_m)
-        self._meter.take(self._pose)
+        """A pose of the trip, or of the stand that may be its end."""
+        before, counted_m = self._samples[-1], sample.distance_m + self._anew_m
+        if counted_m < before.distance_m:
+            counted_m = before.distance_m + _apart_m(before, sample)
+            self._anew_m = counted_m - sample.distance_m
+        self._samples.append(sample._replace(distance_m=counted_m))
 
-    @property
-    def known(self) -> tuple[float, float]:
-        """Metres so far and their std."""
-        found = self._meter.distance()
-        if found is not None:
-            return self._before_m + found.distance_m, self._before_std_m + found.distance_std_m
-        return (self._before_m, self._before_std_m) if self._before_m else self._counted.known
-
-    def _begin_stretch(self, fix: GpsFix) -> None:
-        self._before_m, self._before_std_m = self.known
-        self._meter, self._fixes = TripMeter(), 1
-        if self._pose is not None:
-            self._meter.take(self._pose)
-        self._meter.take(fix)
-
-
-class Counted:
-    """The way that fusion counts, for a trip that neither fixes nor wheels tell of."""
-
-    def __init__(self) -> None:
-        self._last: Sample | None = None
-        self._distance_m = 0.0
-        self._variance_m2 = 0.0
-        """Of what each step was off by, for itself."""
-
-    def take(self, sample: Sample) -> None:
-        """The way to a later pose."""
-        before, self._last = self._last, sample
-        if before is None:
+    def measure(self, until_ns: int) -> None:
+        """Measure stretches that are over, of a trip that goes on at an instant."""
+        first_ns = self._samples[0].t_ns
+        if until_ns - first_ns < STRETCH_NS + LATE_NS:
             return
-        way_m = sample.distance_m - before.distance_m
-        if way_m < 0.0:
-            # fusion was started anew in between and counts from there
-            ends_deg = before.lat_deg, before.lon_deg, sample.lat_deg, sample.lon_deg
-            way_m = step_between(*ends_deg).distance_m
-            self._variance_m2 += before.position_std_m**2 + sample.position_std_m**2
-        lasted_s = (sample.t_ns - before.t_ns) * 1e-9
-        self._distance_m += way_m
-        self._variance_m2 += ((sample.speed_std_mps or 0.0) * lasted_s) ** 2
+        end_ns = first_ns + STRETCH_NS
+        self._behind = self.way_to(end_ns)
+        self._samples = self._after(end_ns)
+        last_ns = max((each.fix.t_ns for each in self._before(end_ns)), default=end_ns)
+        # the last fix before is the next stretch's first
+        self._fixes = [each for each in self._fixes if each.fix.t_ns >= last_ns]
 
-    @property
-    def known(self) -> tuple[float, float]:
-        """Metres so far and their std."""
-        std_m = math.hypot(math.sqrt(self._variance_m2), COUNT_SCALE_STD * self._distance_m)
-        return self._distance_m, std_m
+    def way_to(self, end_ns: int) -> Way:
+        """The trip up to an instant that is not measured yet."""
+        samples = [each for each in self._samples if each.t_ns <= end_ns]
+        stretch = _measured(samples, self._before(end_ns)) or _counted(samples)
+        return Way(
+            self._behind.distance_m + stretch.distance_m,
+            math.hypot(self._behind.std_m, stretch.std_m),
+        )
+
+    def _before(self, end_ns: int) -> list[SourcedFix]:
+        return [each for each in self._fixes if each.fix.t_ns <= end_ns]
+
+    def _after(self, end_ns: int) -> list[Sample]:
+        """The poses of the next stretch, which begins with the last one of this."""
+        inside = sum(each.t_ns <= end_ns for each in self._samples)
+        return self._samples[inside - 1 :]
+
+
+def honest(way: Way) -> Way:
+    """With what all stretches are off by alike."""
+    return Way(way.distance_m, math.hypot(way.std_m, SPEED_SCALE_STD * way.distance_m))
+
+
+def _measured(samples: list[Sample], fixes: list[SourcedFix]) -> Way | None:
+    """By the receiver that told most, and the wheels; None where they do not tell."""
+    meter = TripMeter()
+    told = Counter(each.source for each in fixes)
+    most = min(told, key=lambda source: (-told[source], source), default="")
+    for fix in sorted((e.fix for e in fixes if e.source == most), key=lambda fix: fix.t_ns):
+        meter.take(fix)
+    for sample in samples:
+        meter.take(_pose(sample))
+    found = meter.distance()
+    return None if found is None else Way(found.distance_m, found.distance_std_m)
+
+
+def _pose(sample: Sample) -> Pose:
+    return Pose(
+        t_ns=sample.t_ns,
+        mode=sample.mode,
+        speed_mps=sample.speed_mps,
+        distance_m=sample.distance_m,
+    )
+
+
+def _counted(samples: list[Sample]) -> Way:
+    """As fusion counts."""
+    distance_m = samples[-1].distance_m - samples[0].distance_m
+    return Way(distance_m, COUNTED_SCALE_STD * distance_m)
+
+
+def _apart_m(one: Sample, other: Sample) -> float:
+    places = one.lat_deg, one.lon_deg, other.lat_deg, other.lon_deg
+    return step_between(*places).distance_m

@@ -6,10 +6,10 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from wayline.geo import step_between
-from wayline.messages import LIST_MAX, SPEED_MAX_MPS, GpsFix, Trip, TripStop
+from wayline.messages import LIST_MAX, SPEED_MAX_MPS, Trip, TripStop
 from wayline_history.climb import Climb
 from wayline_history.samples import Sample
-from wayline_history.travelled import Travelled
+from wayline_history.travelled import SourcedFix, Travelled, honest
 
 PARK_NS = 300_000_000_000
 """A vehicle that stands so long has arrived; queues and lights are shorter."""
@@ -20,15 +20,12 @@ SILENCE_NS = 300_000_000_000
 TRIP_MIN_M = 100.0
 """One that never was so far from its start was shunted, or only its position wandered."""
 EXTENT_SIGMAS = 3.0
+RECENT_NS = 60_000_000_000
 FAR_M = 1_000.0
 """How much farther than this it was changes nothing."""
 MOVES_MPS = 1.0
 STANDS_MPS = 0.5
 """Between the two it goes on doing what it did."""
-SETTLE_NS = 60_000_000_000
-"""So long fixes wait for their turn: they may come sooner or later than the pose made of them."""
-FIXES_MAX = 2_000
-"""That wait."""
 STOP_MIN_S = 10.0
 """A stand this long is a stop on the way."""
 
@@ -55,7 +52,7 @@ class _OpenTrip:
 
     start: Sample
     last: Sample
-    travelled: Travelled = field(default_factory=Travelled)
+    travelled: Travelled
     climb: Climb = field(default_factory=Climb)
     moving_ns: int = 0
     max_speed_mps: float = 0.0
@@ -63,11 +60,6 @@ class _OpenTrip:
     outage_ns: int = 0
     stops: list[TripStop] = field(default_factory=list)
     stand: _Stand | None = None
-
-    @property
-    def end(self) -> Sample:
-        """Where the vehicle stands, else where it was last."""
-        return self.last if self.stand is None else self.stand.first
 
     def drive(self, sample: Sample) -> None:
         """Add the way to a sample at which the vehicle moves."""
@@ -114,7 +106,7 @@ class _OpenTrip:
 
 
 class TripCutter:
-    """Takes fixes and poses of one vehicle in order of time and gives a trip when it has ended.
+    """Takes the poses of one vehicle in order of time and gives a trip when it has ended.
 
     A trip ends where the vehicle has stood for five minutes, or for two with its engine off, and
     where it was silent for five; its end is when it began to stand or was last heard.
@@ -126,8 +118,8 @@ class TripCutter:
         self._open: _OpenTrip | None = None
         self._refused_ns: deque[int] = deque()
         """When measurements were refused that may be of the trip under way, or of the next."""
-        self._fixes: deque[tuple[GpsFix, str]] = deque(maxlen=FIXES_MAX)
-        """Those that wait, each with its source."""
+        self._fixes: deque[SourcedFix] = deque()
+        """The newest, which may be of the next trip."""
         self._was_lost = False
         """Since the sample before nobody knew where it was."""
 
@@ -136,15 +128,19 @@ class TripCutter:
         """Whether a trip is under way, of which time alone may be the end."""
         return self._open is not None
 
+    def fix(self, sourced: SourcedFix) -> None:
+        """A fix of a receiver, in any order."""
+        self._fixes.append(sourced)
+        while sourced.fix.t_ns - self._fixes[0].fix.t_ns > RECENT_NS:
+            self._fixes.popleft()
+        if self._open is not None:
+            self._open.travelled.fix(sourced)
+
     def refuse(self, t_ns: int) -> None:
         """A measurement of an instant was refused."""
         self._refused_ns.append(t_ns)
         while not self.is_open and t_ns - self._refused_ns[0] > SILENCE_NS:
             self._refused_ns.popleft()
-
-    def fix(self, fix: GpsFix, source: str) -> None:
-        """A valid fix, as a receiver told it."""
-        self._fixes.append((fix, source))
 
     def take(self, sample: Sample | None) -> Trip | None:
         """The next pose (None: of unknown place); one that is not later changes nothing."""
@@ -168,8 +164,6 @@ class TripCutter:
 
     def finish(self) -> Trip | None:
         """The trip under way ends here."""
-        if self._open is not None:
-            self._pass_fixes(self._open, self._open.end.t_ns)
         trip, self._open = self.under_way, None
         return trip
 
@@ -181,26 +175,20 @@ class TripCutter:
     def _go_on(self, before: Sample, sample: Sample) -> None:
         is_moving = self._moves(sample)
         if self._open is None:
-            while self._fixes and self._fixes[0][0].t_ns < before.t_ns:
-                self._fixes.popleft()
             if not is_moving:
                 return
-            self._open = _OpenTrip(before, before)
-            self._open.travelled.pose(before)
+            self._open = _OpenTrip(before, before, Travelled(before, list(self._fixes)))
             self._open.climb.take(before.t_ns, before.alt_m, before.alt_std_m)
         if self._was_lost or sample.mode == "dead_reckoning":
             self._open.miss(sample.t_ns - before.t_ns)
-        self._open.travelled.pose(sample)
+        if sample is not before:
+            self._open.travelled.pose(sample)
         if is_moving:
             self._open.drive(sample)
+            self._open.travelled.measure(sample.t_ns)
         else:
             self._open.rest(sample)
         self._open.last = sample
-        self._pass_fixes(self._open, min(self._open.end.t_ns, sample.t_ns - SETTLE_NS))
-
-    def _pass_fixes(self, trip: _OpenTrip, until_ns: int) -> None:
-        while self._fixes and self._fixes[0][0].t_ns <= until_ns:
-            trip.travelled.fix(*self._fixes.popleft())
 
     def _moves(self, sample: Sample) -> bool:
         was_moving = self._open is not None and self._open.stand is None
@@ -219,11 +207,11 @@ class TripCutter:
         return self.finish() if has_parked or is_off else None
 
     def _told(self, trip: _OpenTrip) -> Trip | None:
-        start, end = trip.start, trip.end
+        start, end = trip.start, trip.last if trip.stand is None else trip.stand.first
         unsure_m = EXTENT_SIGMAS * max(start.position_std_m, end.position_std_m)
         if trip.extent_m < max(TRIP_MIN_M, unsure_m):
             return None
-        distance_m, distance_std_m = trip.travelled.known
+        distance_m, distance_std_m = honest(trip.travelled.way_to(end.t_ns))
         climb_m, climb_std_m = trip.climb.known
         return Trip(
             t_ns=end.t_ns,

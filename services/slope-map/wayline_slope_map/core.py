@@ -15,6 +15,8 @@ from wayline.matching.transition import Moves
 from wayline.messages import Barometer, GpsFix, Horizon, Message, Odometer, Pose, Progress, Torque
 from wayline.tuning import Tuning
 from wayline.vertical.engine import Engine
+from wayline.vertical.frozen_torque import FrozenTorque
+from wayline.vertical.plausible import is_air, is_on_earth
 from wayline_slope_map.known_roads import KnownRoads, RoadsOfVehicle
 from wayline_slope_map.matching import CHANGE_COST, SPACING_M, Match, carried_on
 from wayline_slope_map.profile import lookahead
@@ -59,6 +61,7 @@ class SlopeMapCore:
     ) -> None:
         self._roads, self._tuning, self._vehicle_id = roads, tuning, vehicle_id
         self._engine = Engine(vehicle, tuning)
+        self._frozen = FrozenTorque()
         self._track = Track()
         self._network = RoadsOfVehicle(roads, route_id)
         self._matcher = Matcher(self._network, jump_cost=CHANGE_COST)
@@ -75,12 +78,12 @@ class SlopeMapCore:
                 return self._take_pose(message)
             case GpsFix():
                 self._take_fix(message, source)
-            case Barometer(pressure_pa=float(pressure_pa)):
+            case Barometer(pressure_pa=float(pressure_pa)) if is_air(pressure_pa):
                 self._track.pressures.append(Pressure(message.t_ns, pressure_pa))
             case Odometer():
                 if push := self._engine.wheels(message):
                     self._track.pushes.append(push)
-            case Torque():
+            case Torque() if not self._frozen.is_frozen(message, self._driven_m):
                 if slope := self._engine.torque(message):
                     self._track.own_slopes.append(slope)
             case Progress():
@@ -92,6 +95,10 @@ class SlopeMapCore:
             case RoadLearned():
                 self._roads.learn(message.profile)
         return []
+
+    @property
+    def _driven_m(self) -> float:
+        return 0.0 if self._pose is None else self._pose.distance_m
 
     def _take_pose(self, pose: Pose) -> Sequence[Record]:
         last = self._pose
@@ -174,7 +181,7 @@ class SlopeMapCore:
         return apart.distance_m - (place.travelled_m - last.travelled_m) > allowed_m
 
     def _take_fix(self, fix: GpsFix, source: str) -> None:
-        if fix.alt_m is not None and has_altitude(fix):
+        if fix.alt_m is not None and has_altitude(fix) and is_on_earth(fix.alt_m):
             std_m = altitude_std_m(fix, self._tuning)
             self._track.altitudes.append(Altitude(fix.t_ns, fix.alt_m, std_m, source))
 

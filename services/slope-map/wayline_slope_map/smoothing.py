@@ -29,7 +29,7 @@ from wayline.vertical.trust import (
 from wayline_slope_map import bends
 from wayline_slope_map.altitudes import Measured
 from wayline_slope_map.bends import Learned
-from wayline_slope_map.slopes import Slopes, Window
+from wayline_slope_map.slopes import NO_SLOPES, Slopes, Window
 
 S = VerticalStates
 FIRST_ALTITUDE_STD_M = 100.0
@@ -37,6 +37,8 @@ FIRST_ALTITUDE_STD_M = 100.0
 FIRST_ALTITUDES = 15
 PASSES = 3
 """A fourth changes grades by hundredths of a percent."""
+UNBELIEVABLE_SHARE = 0.2
+"""Of a run's slopes."""
 BAROMETER, ASKED, FIRST_SLOPE = -1, -2, -3
 """In place of a receiver's number; -3 is the first of the slopes, -4 the next."""
 
@@ -78,7 +80,8 @@ def smooth(
     """Smoothed values where asked for, shape (n,); None with fewer than two measurements.
 
     The k-th value is asked for at `travelled_m[k]`, reached at `times_s[k]`, in any order. What a
-    pass tells of the road's bends and of torque's bias is what the next one starts from.
+    pass tells of the road's bends and of torque's bias is what the next one starts from. Where
+    torque comes to a mass that no such vehicle has, none of the run's counts.
     """
     if sum(len(measured.times_s) for measured in sensed) < 2:
         return None
@@ -89,7 +92,10 @@ def smooth(
     is_told = is_learned and len(sensed.barometer.alt_m) > 0
     start = bends.first(len(nodes.times_s), tuning, is_told=is_told)
     learn = bends.learned if is_learned else bends.calmed
-    x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)
+    forward = _ForwardPass(sensed, tuning, start)
+    x, P = forward.smoothed(nodes)
+    if forward.is_no_such_vehicle:
+        return smooth(sensed._replace(slopes=NO_SLOPES), times_s, travelled_m, tuning, passes)
     for _ in range(passes - 1):
         start = learn(nodes.travelled_m, x, P, tuning)
         x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)
@@ -140,8 +146,15 @@ class _ForwardPass:
         self._curvature_std = start.curvature_std
         self._trust = [AltitudeTrust() for _ in range(receivers)]
         self._noise, self._slope_noise = NoiseScale(), NoiseScale()
+        self._unbelievable = 0
+        """Slopes beside a mass that the vehicle cannot have."""
         # without a barometer nothing but the road's own unrest tells noise from a hill
         self._has_barometer = len(barometer.alt_m) > 0
+
+    @property
+    def is_no_such_vehicle(self) -> bool:
+        """Whether torque's sign, its unit or the stated mass was wrong for much of the run."""
+        return self._unbelievable > UNBELIEVABLE_SHARE * len(self._windows)
 
     def smoothed(self, nodes: _Nodes) -> tuple[Floats, Floats]:
         """States (n, size) and covariances (n, size, size) given all, before and after."""
@@ -184,6 +197,7 @@ class _ForwardPass:
             pushed = Pushed(window.length_s, share, window.level)
             measurement = kalman.model.torque(kalman.x, pushed, noisy)
         if not is_believable_mass(kalman.mass):
+            self._unbelievable += 1
             return moved
         if window is not None and window.is_braked:
             if float(measurement.y[0]) > 0.0 and self._is_likely(measurement):

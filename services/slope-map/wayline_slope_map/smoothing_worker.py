@@ -76,10 +76,9 @@ class SmoothingWorker:
 
     @property
     def detail(self) -> str | None:
-        """What `health` should say: the database's problem, or runs that were lost here."""
-        if self._lost:
-            return f"runs lost: {self._lost}, too many waited to be smoothed"
-        return self._store.detail
+        """What `health` should say: the database's problem, and runs that were lost here."""
+        lost = f"runs lost: {self._lost}, too many waited to be smoothed" if self._lost else None
+        return "; ".join(each for each in (self._store.detail, lost) if each) or None
 
     def _run(self) -> None:
         self._died = True

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from wayline.trip_distance.integrated_walk import Floats, smoothed
+from wayline.trip_distance.standing import stands
 from wayline.trip_distance.track import Track
 from wayline.trip_distance.trust import (
     ACCELERATION_MPS_PER_SQRT_S,
@@ -22,10 +23,8 @@ Basis = Literal["speeds", "positions"]
 
 JERK_MPS2_PER_SQRT_S = 1.0
 """Within a second an acceleration changes by so much: brakes and gears."""
-STANDING_MPS = 0.2
-"""Doppler at rest reads less: it is noise, and no way."""
 CREEPING_SHARE = 0.5
-"""Of the way that is left out as noise at rest, what it may have been in truth; one sigma."""
+"""Of the way that is left out as noise at rest: it may all have been one, says two sigma."""
 STANDING_BY_POSITIONS_MPS = 0.5
 """Positions at rest wander by less."""
 TOLD_SHARE_MIN = 0.5
@@ -75,15 +74,17 @@ def profile_of(track: Track) -> Profile:
     if doubt := unit_doubt(track):
         return _by_positions(track, (str(doubt),))
     made = smoothed(track.times_s, track.speeds_mps, track.speed_stds_mps, JERK_MPS2_PER_SQRT_S)
-    stands = made.values < STANDING_MPS
+    still = stands(track, made.values)
     spans_s = _spans_s(track)
-    creeping_m = CREEPING_SHARE * float(np.abs(made.values) @ np.where(stands, spans_s, 0.0))
+    creeping_m = CREEPING_SHARE * float(np.abs(made.values) @ np.where(still, spans_s, 0.0))
     std_m = float(np.hypot(made.std_of_sum(spans_s), creeping_m))
-    return Profile(np.where(stands, 0.0, made.values), "speeds", std_m, ())
+    return Profile(np.where(still, 0.0, made.values), "speeds", std_m, ())
 
 
 def _by_positions(track: Track, doubts: tuple[str, ...]) -> Profile:
-    stds_m = np.where(track.good, POSITION_STD_M, BAD_POSITION_STD_M)
+    # where all are bad, they are all that there is
+    believed = track.good if track.good.any() else ~track.good
+    stds_m = np.where(believed, POSITION_STD_M, BAD_POSITION_STD_M)
     made = smoothed(track.times_s, track.places_m, stds_m, ACCELERATION_MPS_PER_SQRT_S)
     speeds_mps = np.hypot(*made.rates.T)
     # a sum of steps knows its ends only; each start from rest adds what positions wander

@@ -40,9 +40,12 @@ class Wheels:
         return len(self._kept) > 1
 
     def take(self, message: Odometer | Pose) -> None:
-        """A speed, or a distance that was counted; what comes late is left out."""
+        """A speed, or a distance that was counted where no speed is told.
+
+        What comes late is left out.
+        """
         last, elapsed_ns = self._last, message.t_ns - self._last_ns
-        if elapsed_ns <= 0:
+        if elapsed_ns <= 0 or (_speed_mps(message) is None and _speed_mps(last) is not None):
             return
         is_silent = last is None or elapsed_ns > SILENCE_NS
         if last is not None and not is_silent:
@@ -68,11 +71,14 @@ class Wheels:
 
 def _step_m(last: Odometer | Pose, message: Odometer | Pose, elapsed_s: float) -> float:
     """By speeds, where both have one; else by distances that were counted."""
-    before_mps, now_mps = (
-        each.speed_mps if isinstance(each, Odometer) else None for each in (last, message)
-    )
+    before_mps, now_mps = _speed_mps(last), _speed_mps(message)
     if before_mps is not None and now_mps is not None:
         return 0.5 * (before_mps + now_mps) * elapsed_s
     if last.distance_m is not None and message.distance_m is not None:
         return abs(message.distance_m - last.distance_m)
     return 0.0
+
+
+def _speed_mps(message: Odometer | Pose | None) -> float | None:
+    """Of the wheels; a pose's speed is fusion's, which counts them itself."""
+    return message.speed_mps if isinstance(message, Odometer) else None

@@ -1,5 +1,7 @@
 """How good predictions were: remembered until the vehicle comes, scored, kept and told."""
 
+from argparse import Namespace
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -9,9 +11,13 @@ from prometheus_client import CollectorRegistry
 
 from unit.eta.route_drives import SECOND_NS, SQUARE, START_NS, poses, route_of
 from wayline.database import open_database
+from wayline.http import Healthz
 from wayline.http_settings import HttpSettings
 from wayline.messages import Arrivals, Progress, StopArrival, StopEvent, StopEventKind
+from wayline.settings import Settings
+from wayline.telemetry import Telemetry
 from wayline.tuning import Tuning
+from wayline_eta.__main__ import build
 from wayline_eta.accuracy import Accuracy, AccuracyParameters
 from wayline_eta.accuracy_metrics import AccuracyCollector
 from wayline_eta.app import create_eta_app
@@ -22,6 +28,10 @@ from wayline_eta.promises import PROMISES_MAX, Promises
 from wayline_eta.records import SCORED_DAYS_MAX, Scored, ScoredDay
 from wayline_eta.scores import Prediction, Sums, added, score_of, sums_of
 from wayline_eta.store import EtaTables
+from wayline_evaluation.replays import read_topic
+from wayline_replay.replay import replay
+
+DEMO = Path(__file__).parents[3] / "deploy" / "demo" / "avl-shuttle"
 
 MINUTE_NS = 60 * SECOND_NS
 DAY_NS = 24 * 60 * MINUTE_NS
@@ -88,6 +98,8 @@ def test_each_minutes_prediction_is_scored_when_the_vehicle_comes() -> None:
     assert sums.spans[0].error_s == pytest.approx(20.0)
     assert (sums.on_route_s, sums.told_s) == (300, 300)
     assert scored(promises, 420.0) == Sums(), "nothing is told twice"
+    promises.happened(came(2_500.0, "b"))
+    assert scored(promises, 2_520.0).predictions == 0, "more than half an hour ahead"
 
 
 def test_a_trip_that_begins_where_nobody_saw_it_come_is_scored_by_its_departure() -> None:
@@ -107,6 +119,14 @@ def test_what_is_told_of_the_next_lap_while_the_vehicle_stands_waits_for_it() ->
     assert scored(promises, 120.0).predictions == 0
     promises.happened(came(660.0))
     assert scored(promises, 660.0).spans[3].error_s == pytest.approx(60.0)
+
+
+def test_what_was_told_before_the_trip_was_certain_is_scored_too() -> None:
+    promises = Promises()
+    promises.note(None, told(0.0, {"a": 100.0}))
+    promises.happened(msgspec.structs.replace(came(110.0), trip_id="t"))
+    sums = scored(promises, 120.0)
+    assert (sums.predictions, sums.ghosts) == (1, 0)
 
 
 def test_what_is_left_out_or_long_overdue_is_a_ghost() -> None:
@@ -244,3 +264,23 @@ def test_prometheus_is_told_by_route_and_minutes_ahead() -> None:
     name = "wayline_eta_prediction_mean_seconds"
     assert registry.get_sample_value(name, labels) == pytest.approx(10.0)
     assert registry.get_sample_value(name, {**labels, "minutes": "3-6"}) is None
+
+
+def test_a_service_that_starts_answers_with_what_a_replay_has_kept(tmp_path: Path) -> None:
+    """Replayed twice, and told by another process on the same database."""
+    url = f"sqlite:///{tmp_path / 'eta.db'}"
+    for out in ("once", "again"):
+        replay(DEMO, tmp_path / out, database_url=url)
+    service = build(Settings(vehicles=("*",), database_url=url), Namespace())
+    assert service.store is not None
+    assert service.make_app is not None
+    service.store.hand_over()
+    telemetry = Telemetry("eta", 0)
+    app = service.make_app(lambda: Healthz(ok=True, service="eta", version="0"), telemetry)
+    http = TestClient(app, base_url="http://localhost")
+    answer = http.get("/v1/accuracy?days=1").json()
+    events = read_topic(tmp_path / "once", StopEvent)
+    assert answer["arrivals"] == sum(event.kind in {"arrived", "passed"} for event in events) > 3
+    assert answer["predictions"] > answer["arrivals"]
+    assert "wayline_eta_prediction_arrivals" in http.get("/metrics").text
+    service.store.close()

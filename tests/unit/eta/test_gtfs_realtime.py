@@ -151,6 +151,21 @@ def test_stops_left_out_are_told_and_those_that_were_served_are_not() -> None:
     assert len(entity.trip_update.stop_time_update) == 1, "of another trip"
 
 
+def test_what_was_left_out_of_the_trip_before_is_not_told_of_the_next() -> None:
+    clock = Clock()
+    following = msgspec.structs.replace(arrivals(stop(1, 60.0), runs=(NEXT,)), trip_id="t2")
+    board = board_of(clock, PROGRESS, happened(2, "skipped"), following)
+    (entity,) = updates(board, clock)
+    assert [each.stop_sequence for each in entity.trip_update.stop_time_update] == [1]
+
+
+def test_of_stops_that_were_served_the_last_is_known() -> None:
+    clock = Clock()
+    board = board_of(clock, *(happened(sequence, "passed") for sequence in range(1, 9)))
+    known, _ = board.look_at_all()
+    assert [event.stop_sequence for event in known["bus-1"].stop_events] == [8]
+
+
 def test_times_are_after_now_and_each_after_the_one_before() -> None:
     clock = Clock()
     board = board_of(clock, PROGRESS, arrivals(stop(3, 0.0), stop(4, 0.0), stop(5, 0.6)))

@@ -139,7 +139,7 @@ def test_a_breakdown_teaches_nothing() -> None:
     broken = drove(LEG.key, 100.0, 3_000.0, START_NS + 9, dwell_s=5_000.0)
     usual, after = experienced(runs), experienced([*runs, broken])
     assert after.travel(LEG, "r", START_NS) == usual.travel(LEG, "r", START_NS)
-    assert after.dwell("r|s1", 0.0) == usual.dwell("r|s1", 0.0)
+    assert after.dwell("r|s1", "r", 0.0) == usual.dwell("r|s1", "r", 0.0)
 
 
 def test_a_jam_is_expected_by_who_follows_and_forgotten_within_the_hour() -> None:
@@ -158,8 +158,27 @@ def test_a_jam_is_expected_by_who_follows_and_forgotten_within_the_hour() -> Non
 
 def test_dwells_are_learned_beside_the_plan() -> None:
     runs = [drove(LEG.key, 100.0, 100.0, START_NS + run, dwell_s=40.0) for run in range(20)]
-    assert experienced(runs).dwell("r|s1", 10.0).seconds == pytest.approx(38.0, abs=1.5)
-    assert experienced([]).dwell("r|s1", 10.0).seconds == 10.0
+    assert experienced(runs).dwell("r|s1", "r", 10.0).seconds == pytest.approx(40.0, abs=0.5)
+    assert experienced([]).dwell("r|s1", "r", 10.0).seconds == 10.0
+
+
+def test_a_stop_hardly_known_is_expected_as_the_others_of_its_plan() -> None:
+    runs = [drove(LEG.key, 100.0, 100.0, START_NS + run, dwell_s=40.0) for run in range(20)]
+    once = msgspec.structs.replace(runs[0], stop="r|s2")
+    never_s, once_s = (
+        experienced([*runs, *more]).dwell("r|s2", "r", 0.0).seconds for more in ([], [once])
+    )
+    assert never_s == 0.0, "a plan without dwells has them in its running times"
+    assert once_s == pytest.approx(38.6, abs=0.7)
+
+
+def test_how_late_vehicles_leave_is_learned_apart_from_how_long_they_board() -> None:
+    """A first stop that they leave half a minute late however early they came."""
+    waits = [drove(LEG.key, 100.0, 100.0, START_NS + run, dwell_s=30.0) for run in range(20)]
+    waits = [msgspec.structs.replace(each, stop="r|s1|waits") for each in waits]
+    experience = experienced(waits)
+    assert experience.late("r|s1|waits").seconds == pytest.approx(28.0, abs=0.5)
+    assert experience.dwell("r|s1", "r", 10.0).seconds == 10.0
 
 
 def test_ranges_grow_where_arrivals_came_outside_and_shrink_where_they_did_not() -> None:
@@ -224,7 +243,9 @@ def test_the_same_drive_twice_teaches_once_and_old_rows_go(tmp_path: Path) -> No
     new = Learned(taken=drove(LEG.key, 100.0, 130.0, START_NS), came=(came,))
     for record in (old, new, new):
         tables.save("bus-7", record)
-    assert list(tables.look()) == [new.taken, came]
+    *known, told = tables.look()
+    assert told == came
+    assert len(known) == 6, "of the dwell and the leg, each alone and among others"
     assert tables.look() == (), "told once"
 
 

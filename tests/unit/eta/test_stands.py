@@ -5,7 +5,7 @@ import pytest
 
 from unit.eta.route_drives import SECOND_NS, START_NS, Metres, follow, poses, route_of
 from wayline.tuning import Tuning
-from wayline_eta.arrivals import Outlook, predict_visits
+from wayline_eta.arrivals import Outlook, later_of, predict_visits
 from wayline_eta.core import EtaCore
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.lessons import as_planned
@@ -40,6 +40,20 @@ def test_a_stand_between_stops_is_noticed_and_its_late_bound_grows() -> None:
     assert after[1] < 40.0
 
 
+@pytest.mark.parametrize(
+    ("first_s", "mean_s", "std_s"),
+    [(0.0, 100.0, 10.0), (200.0, 200.0, 20.0), (100.0, 108.9, 12.8)],
+)
+def test_the_later_of_two_unsure_instants_is_later_than_both(
+    first_s: float, mean_s: float, std_s: float
+) -> None:
+    """Drawn: of two normal ones, 20 s and 10 s wide, that are equal, the later is 8.9 s later."""
+    mean, variance, share = later_of((first_s, 400.0), (100.0, 100.0))
+    assert mean == pytest.approx(mean_s, abs=0.1)
+    assert variance**0.5 == pytest.approx(std_s, abs=0.5)
+    assert share == pytest.approx(0.5 + 0.5 * np.sign(first_s - 100.0), abs=0.01)
+
+
 def test_a_departure_waits_for_its_time_and_so_does_what_follows() -> None:
     """Two minutes early at a timepoint halfway."""
     route = route_of(LINE, stops_m=[1000.0, 2000.0], dwell_s=60.0)
@@ -48,7 +62,7 @@ def test_a_departure_waits_for_its_time_and_so_does_what_follows() -> None:
     def seconds(leaves_s: float) -> list[float]:
         leaves_ns = np.array([START_NS + leaves_s * SECOND_NS, -np.inf])
         first, second = predict_visits(
-            as_planned(route), outlook, START_NS, ExpectedMotion(route, leaves_ns)
+            as_planned(route, leaves_ns), outlook, START_NS, ExpectedMotion(route, leaves_ns)
         )
         instants_ns = (first.arrival_ns, first.departure_ns, second.arrival_ns)
         return [(each - START_NS) / SECOND_NS for each in instants_ns]

@@ -104,6 +104,28 @@ def test_reports_arrive_when_the_vehicle_is_thought_to_have_come() -> None:
     assert departed == ("departed", 1, pytest.approx(84.0, abs=4.1), True)
 
 
+def test_a_vehicle_that_stands_a_little_behind_a_stop_has_arrived_there() -> None:
+    """Drivers stop metres beyond the pole, and places err by metres."""
+    log = log_of(route_of(LINE, stops_m=STOPS_M))
+    slowing = [seen(50, 490.0), seen(51, 497.0), seen(52, 502.0)]
+    standing = [seen(second, 504.0, stands=True) for second in range(53, 73)]
+    assert after(log, *slowing, *standing, seen(73, 508.0), seen(75, 520.0)) == [
+        ("arrived", 1, 53.0, False),
+        ("departed", 1, pytest.approx(73.5, abs=0.6), False),
+    ]
+
+
+def test_a_stop_is_passed_when_its_place_was_though_it_is_told_soon_after() -> None:
+    log = log_of(route_of(LINE, stops_m=STOPS_M))
+    assert after(log, seen(50, 490.0), seen(51, 502.0)) == []
+    assert after(log, seen(52, 514.0)) == [("passed", 1, pytest.approx(50.8, abs=0.1), False)]
+    after(log, seen(93, 990.0), seen(94, 1001.0))
+    assert told(log.finish(95 * SECOND_NS)) == [
+        ("passed", 2, pytest.approx(93.9, abs=0.1), False),
+        ("skipped", 3, 95.0, True),
+    ]
+
+
 def test_noise_at_a_stop_is_no_second_arrival() -> None:
     log = log_of(route_of(LINE, stops_m=STOPS_M))
     creeping = [seen(10 + at, 498.0 + at % 3, stands=at % 2 == 0) for at in range(20)]

@@ -25,6 +25,9 @@ def visits(route: Route, *seen: tuple[float, float]) -> StopVisits:
         ([(480.0, 5.0), (485.0, 0.0)], False),  # standing, but not near
         ([(480.0, 5.0), (491.0, 0.0)], True),
         ([(480.0, 5.0), (500.5, 5.0)], True),  # passed
+        ([(490.0, 5.0), (501.5, 3.0)], False),  # behind it, where it may still stand
+        ([(490.0, 5.0), (501.5, 3.0), (503.0, 0.0)], True),
+        ([(490.0, 5.0), (501.5, 3.0), (508.0, 3.0)], True),  # it has not
         ([(480.0, 5.0), (491.0, 0.0), (489.0, 0.0), (493.0, 1.0)], True),  # once and for all
         ([(520.0, 5.0)], True),  # behind at the first sight
         ([(520.0, 5.0), (100.0, 5.0)], False),  # a new trip
@@ -40,6 +43,17 @@ def test_the_next_visit_of_a_loop_is_on_the_next_lap() -> None:
     assert next_visits_m(route, 650.0) == pytest.approx([2000.0, 700.0], abs=0.1)
     assert next_visits_m(route, 4700.5) == pytest.approx([6000.0, 6700.0], abs=0.5)
     assert next_visits_m(route, -4.0) == pytest.approx([0.0, 700.0], abs=0.1)
+
+
+def test_a_stop_that_was_reached_on_any_lap_is_not_the_next_one() -> None:
+    """Its place on the lap and the sum of all laps are rounded differently."""
+    line: list[Metres] = [(0, 0), (703.1, 0), (703.1, 499.7), (0, 499.7), (0, 0)]
+    route = route_of(line, stops_m=[237.9, 1850.3])
+    for lap in range(40):
+        reached_m = route.stop_distances_m + lap * route.length_m
+        for stop, place_m in enumerate(reached_m):
+            again_m = next_visits_m(route, float(place_m))[stop]
+            assert again_m == pytest.approx(place_m + route.length_m)
 
 
 def test_a_dwell_runs_down_and_ends_with_driving_on() -> None:

@@ -141,6 +141,8 @@ def test_it_asks_for_a_vehicle_a_route_a_stop_or_what_is_soon(
     assert [at["stop_id"] for at in at_stop[0][1]["arrivals"]] == ["s1"]
     soon = news(reader(board, clock, minutes=0.5, vehicle_id="bus-2"))
     assert [at["stop_id"] for at in soon[0][1]["arrivals"]] == ["s0"]
+    few = news(reader(board, clock, limit=2, vehicle_id="bus-2"))
+    assert [at["stop_id"] for at in few[0][1]["arrivals"]] == ["s0", "s1"]
 
 
 def test_that_nothing_comes_any_longer_is_told_once(board: Board, clock: Clock, told: Told) -> None:
@@ -166,17 +168,19 @@ def test_a_silent_stream_says_that_it_is_there(board: Board, clock: Clock) -> No
 
 
 def test_over_http_it_is_an_event_stream_that_ends_with_the_service(
-    board: Board, told: Told
+    board: Board, caplog: pytest.LogCaptureFixture
 ) -> None:
     app = create_eta_app(board, [ROUTE], HttpSettings(port=0))
     with HttpServer(app, HttpSettings(port=0)) as server:
+        refused = http.client.HTTPConnection("127.0.0.1", server.port, timeout=10.0)
+        refused.request("GET", "/v1/stream?minutes=-1")
+        assert refused.getresponse().status == 422
+        refused.close()
         connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=10.0)
         connection.request("GET", "/v1/stream?vehicle_id=bus-1")
         answer = connection.getresponse()
         assert answer.headers["content-type"].startswith("text/event-stream")
         assert answer.readline() == b"event: progress\n"
-        connection.close()
-        refused = http.client.HTTPConnection("127.0.0.1", server.port, timeout=10.0)
-        refused.request("GET", "/v1/stream?minutes=-1")
-        assert refused.getresponse().status == 422
-        refused.close()
+    assert answer.read().endswith(b"\n\n"), "whole, though the service has ended"
+    connection.close()
+    assert not [record for record in caplog.records if record.levelname == "ERROR"]

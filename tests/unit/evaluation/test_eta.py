@@ -1,5 +1,6 @@
 """Arrivals scored against when the vehicle came."""
 
+import msgspec
 import pytest
 
 from unit.eta.route_drives import SECOND_NS, START_NS
@@ -41,6 +42,11 @@ def test_a_prediction_is_of_the_next_arrival_at_its_stop() -> None:
     events = [came(100.0, "a"), came(700.0, "a"), came(300.0, "b", "departed")]
     assert actual_s(told(0.0, {"a": 90.0}), *events) == [100.0]
     assert actual_s(told(110.0, {"a": 690.0}), *events) == [590.0]
+
+
+def test_where_no_trip_was_certain_whichever_comes_next_counts() -> None:
+    event = msgspec.structs.replace(came(100.0, "a"), trip_id="t")
+    assert actual_s(told(0.0, {"a": 90.0}), event) == [100.0]
 
 
 def test_who_is_seen_to_have_come_already_is_told_of_the_next_time() -> None:

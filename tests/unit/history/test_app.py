@@ -12,7 +12,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from builders import at, fix
-from unit.history.driven import LAT_DEG, LON_DEG, VEHICLE, legs, pose
+from unit.history.driven import LAT_DEG, LON_DEG, METRES_PER_DEGREE, VEHICLE, legs, pose
 from unit.history.keeping import History
 from wayline.gpx import read_gpx
 from wayline.http_settings import HttpSettings
@@ -156,6 +156,8 @@ def test_trips_and_one_trip(http: TestClient) -> None:
     (trip,) = asked(http, f"/v1/vehicles/{VEHICLE}/trips")["trips"]
     assert (trip["vehicle_id"], trip["started"]) == (VEHICLE, rfc3339(at(59)))
     assert trip["under_way"] is False
+    assert trip["start_lon_deg"] == pytest.approx(LON_DEG, abs=1e-7)
+    assert trip["end_lon_deg"] == pytest.approx(LON_DEG + 1990.0 / METRES_PER_DEGREE, abs=1e-6)
     assert trip["stops"] == [
         {"started": rfc3339(at(160)), "dwell_s": 40.0, "lat_deg": LAT_DEG,
          "lon_deg": pytest.approx(LON_DEG, abs=0.1)},
@@ -207,6 +209,12 @@ def test_a_vehicle_that_nobody_knows_is_said_to_be_so(http: TestClient, path: st
     answer = http.get(f"/v1/vehicles/bus-99/{path}", params=FROM_START)
     assert answer.status_code == 404
     assert "bus-99" in answer.json()["detail"]
+
+
+@pytest.mark.parametrize("name", ["%00", "Bus%207", "%C3%A9", "_fleet"])
+def test_a_name_that_is_none_is_not_known(http: TestClient, name: str) -> None:
+    assert http.get(f"/v1/vehicles/{name}/trips").status_code == 404
+    assert http.get(f"/v1/vehicle-trips/{name}").status_code == 404
 
 
 def test_an_unknown_form_is_a_problem(http: TestClient) -> None:

@@ -22,6 +22,7 @@ from wayline.spool import Waiting
 from wayline_history.kept import HistoryTables, Openings
 from wayline_history.losses import Losses
 from wayline_history.records import Event, Piece
+from wayline_history.store import Alive
 
 WAIT_S = 20.0
 SETTINGS = Settings(database_retry_s=0.1, database_refresh_s=0.1)
@@ -106,21 +107,33 @@ def test_nothing_acknowledged_is_lost_by_a_kill(
     assert len(kept) % 10 == 0
 
 
+@pytest.mark.parametrize(("is_whole", "on_its_way_s"), [(True, 0), (False, 10)])
 def test_a_history_that_was_not_running_says_so(
-    database_url: str, run: Run, open_history: Open
+    database_url: str, run: Run, open_history: Open, is_whole: bool, on_its_way_s: int
 ) -> None:
-    run(database_url).put(0.0)
+    """A process that was killed lost what its cores had not handed over yet, too."""
     history = open_history(database_url)
-    await_that(lambda: len(history.times_s()) == 10)
-    alive_ns = history.store.alive_ns()
-    assert alive_ns is not None
-    history.store.save([], alive_ns - 3_600_000_000_000)
+    an_hour_ago_ns = time.time_ns() - 3_600 * 10**9
+    history.keep(legs((10, 10.0)))
+    history.store.save([], Alive(an_hour_ago_ns, is_whole))
     run(database_url)
     await_that(lambda: len(gaps(history)) == 1)
     (gap,) = gaps(history)
-    assert gap.detail == "history was not running"
+    assert (gap.detail, gap.name) == ("history was not running", "history")
+    assert gap.t_ns == an_hour_ago_ns - on_its_way_s * 10**9
     assert gap.until_ns is not None
-    assert gap.until_ns - gap.t_ns >= 3_600_000_000_000
+    assert gap.until_ns > an_hour_ago_ns + 3_500 * 10**9
+
+
+def test_a_service_that_ends_leaves_nothing_on_its_way(
+    database_url: str, run: Run, open_history: Open
+) -> None:
+    running = run(database_url)
+    running.put(0.0)
+    running.store.close()
+    alive = open_history(database_url).store.alive()
+    assert alive is not None
+    assert alive.is_whole
 
 
 def test_what_waits_for_a_database_that_is_away_is_kept_when_it_is_back(

@@ -184,3 +184,30 @@ def test_events_of_the_fleet_are_told_of_every_vehicle(history: History) -> None
     history.store.save([("_fleet", gone)])
     told = history.reader.events(VEHICLE, at(0), at(100), 10)
     assert [event.kind for event in told] == ["mode", "service_down"]
+
+
+def test_answers_go_on_while_the_oldest_is_let_go(history: History) -> None:
+    for hour in range(20):
+        history.keep([pose(hour * HOUR_S + s, 10.0 * s, 10.0) for s in range(100)])
+    reading = history.reader.rows(VEHICLE, "fused", at(0), at(1e6))
+    first = next(reading)
+    limits = Limits(days=1e6, megabytes=0.02, thins_after_s=1e12)
+    assert history.housekeeping(limits).let_go()
+    hours = {int(chunk.times_us[0]) for chunk in (first, *reading)}
+    # what was read at once is told whole, what had gone meanwhile is left out, the rest is there
+    assert 6 <= len(hours) < 20
+    assert max(hours) == at(19 * HOUR_S) // 1000
+
+
+def test_a_day_of_a_year_is_read_in_as_many_steps_as_of_a_week(history: History) -> None:
+    """By the queries it takes: seconds would tell of the machine."""
+    asked: list[str] = []
+    sa.event.listen(history.engine, "before_cursor_execute", lambda *given: asked.append(given[2]))
+    counts = []
+    for days in (range(7), range(7, 60)):
+        for day in days:
+            history.keep([pose(day * DAY_S + 600 * s, s, 1.0) for s in range(144)])
+        asked.clear()
+        assert len(history.times_s(from_s=3 * DAY_S, to_s=4 * DAY_S)) == 144
+        counts.append(len(asked))
+    assert counts[0] == counts[1]

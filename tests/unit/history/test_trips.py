@@ -14,6 +14,7 @@ from wayline.messages import GpsFix, Message, Pose, Torque, Trip
 from wayline_history.climb import Climb
 from wayline_history.core import HistoryCore
 from wayline_history.samples import fix_of
+from wayline_history.travelled import SourcedFix
 from wayline_history.trip_cutter import ENGINE_OFF_NS, PARK_NS, SILENCE_NS
 
 PARK_S, OFF_S, SILENCE_S = PARK_NS * 1e-9, ENGINE_OFF_NS * 1e-9, SILENCE_NS * 1e-9
@@ -174,12 +175,12 @@ def test_a_pose_of_unknown_place_makes_nothing() -> None:
 
 
 def test_a_trip_under_way_is_kept_as_far_as_it_has_come() -> None:
-    kept = kept_of(legs((130, 10.0)), finish=False)
+    kept = kept_of(legs((700, 10.0)), finish=False)
     told = [piece.under_way for piece in kept.pieces if piece.under_way is not None]
     (trip, *_) = told
     assert kept.trips == []
     assert trip.started_ns == at(0)
-    assert trip.ended_ns == at(65)
+    assert trip.ended_ns == at(329)
 
 
 def with_fixes(poses: Iterable[Pose], *, without: range = range(0)) -> list[Message]:
@@ -242,6 +243,6 @@ def test_a_trip_that_is_gone_on_with_has_the_fixes_of_before() -> None:
     drive = with_fixes(legs((10, 0.0), (100, 10.0), (100, 12.0), (PARK_S + 10, 0.0)))
     (whole,) = trips_of(drive)
     before = kept_of(drive[:240], finish=True)
-    known = [(fix_of(row), "test") for row in before.rows("raw")]
-    after = kept_of(drive[240:], known=before.rows("fused"), known_fixes=known)
+    fixes = [SourcedFix("test", fix_of(row)) for row in before.rows("raw")]
+    after = kept_of(drive[240:], known=before.rows("fused"), fixes=fixes)
     assert [trip for trip in after.trips if trip.trip_key == whole.trip_key] == [whole]

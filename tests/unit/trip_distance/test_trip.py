@@ -7,7 +7,7 @@ import pytest
 from builders import at, odometer
 from unit.trip_distance.journeys import Leg, journey, metered, moved, with_hole
 from wayline.line import Line
-from wayline.messages import GpsFix, Pose
+from wayline.messages import GpsFix, Odometer, Pose
 from wayline.trip_distance.track import track_of
 from wayline.trip_distance.trip import TripMeter
 from wayline.tuning import Tuning
@@ -38,6 +38,22 @@ def test_standing_adds_nothing(*, tells_speed: bool) -> None:
     told = metered(journey(legs, position_std_m=0.3, speed_std_mps=0.05, tells_speed=tells_speed))
     # the second in which it brakes
     assert told.distance_m - moving.distance_m == pytest.approx(7.5, abs=8.0)
+
+
+def test_a_poor_receivers_noise_at_rest_adds_nothing() -> None:
+    """Ten minutes of 0.2 m/s that lead nowhere: 120 m by speeds."""
+    slowing = [Leg(300, 70.0, 15.0), *(Leg(1, 70.0, speed) for speed in (12.0, 9.0, 6.0, 3.0))]
+    at_once, long_after = (
+        metered(journey([*slowing, Leg(rest, 70.0, 0.0)], position_std_m=1.5, speed_std_mps=0.25))
+        for rest in (35, 600)
+    )
+    assert long_after.distance_m - at_once.distance_m == pytest.approx(0.0, abs=3.0)
+
+
+def test_creeping_is_a_way() -> None:
+    """In a queue at 0.6 m/s."""
+    told = metered(journey([Leg(301, 70.0, 0.6)], position_std_m=1.0, speed_std_mps=0.03))
+    assert told.distance_m == pytest.approx(180.0, abs=4.0)
 
 
 @pytest.mark.parametrize("tells_speed", [True, False], ids=["speeds", "positions"])
@@ -116,6 +132,14 @@ def test_wheels_get_their_scale_from_fixes_and_tell_the_rest() -> None:
     assert told.bridged_m == 0.0
 
 
+def test_a_distance_in_frames_of_its_own_takes_nothing_from_the_speeds() -> None:
+    """Ten speeds a second, and a counter beside them in messages without a speed."""
+    wheels = [odometer(0.1 * tenth, 15.0) for tenth in range(6_001)]
+    counted = [Odometer(t_ns=at(n + 0.05), distance_m=5.0 * (3 * n)) for n in range(600)]
+    told = metered(sorted([*wheels, *counted], key=lambda each: each.t_ns))
+    assert told.distance_m == pytest.approx(9_000.0, abs=2.0)
+
+
 def test_where_wheels_are_silent_gps_tells() -> None:
     fixes = journey(STRAIGHT)
     wheels = [odometer(second, 15.0 * 0.98) for second in range(601) if not 100 < second < 300]
@@ -175,6 +199,14 @@ def test_bad_fixes_alone_are_told_and_widen_the_std() -> None:
     good, bad = (metered(journey(STRAIGHT, satellites=count)) for count in (7, 3))
     assert bad.doubts == ("no fix is good",)
     assert bad.distance_std_m > good.distance_std_m
+
+
+def test_bad_fixes_alone_tell_a_distance_without_speeds_too() -> None:
+    """Corners that no car takes at 12 m/s are cut by 3 %."""
+    corners = [Leg(20, 90.0 * (number % 2), 12.0) for number in range(30)]
+    told = metered(journey(corners, satellites=3, tells_speed=False))
+    assert told.basis == "positions"
+    assert told.distance_m == pytest.approx(599 * 12.0, rel=0.05)
 
 
 def test_time_that_goes_back_is_counted_and_left_out() -> None:

@@ -39,7 +39,8 @@ def plot_smoothing(
     wanted_mps, times_s = trip.reference.speeds_mps, trip.track.times_s
     told = {name: each.speeds_mps for name, each in made.items()}
     _series(speeds, trip, wanted_mps, told, around)
-    speeds.plot(times_s, trip.told_mps, ".", color="0.5", ms=4)
+    inside = (times_s >= around[0]) & (times_s <= around[1])
+    speeds.plot(times_s[inside], trip.told_mps[inside], ".", color="0.5", ms=4)
     shown = "figure 3; thick: reference, dots: as told, shaded: bad fixes"
     speeds.set(ylabel="speed, m/s", title=f"{trip.name} ({shown})")
     slopes = {name: np.gradient(each, times_s) for name, each in told.items()}
@@ -69,8 +70,10 @@ def _around(trip: Trip) -> tuple[float, float]:
     errors_mps = np.nan_to_num(np.abs(trip.told_mps - trip.reference.speeds_mps))
     if not trip.track.good.all():
         errors_mps[trip.track.good] = -1.0
-    middle_s = float(trip.track.times_s[int(np.argmax(errors_mps))])
-    return middle_s - SHOWN_S / 2.0, middle_s + SHOWN_S / 2.0
+    times_s = trip.track.times_s
+    latest_s = max(float(times_s[-1]) - SHOWN_S, 0.0)
+    begin_s = min(max(float(times_s[int(np.argmax(errors_mps))]) - SHOWN_S / 2.0, 0.0), latest_s)
+    return begin_s, begin_s + SHOWN_S
 
 
 def _series(

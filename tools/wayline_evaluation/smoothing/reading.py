@@ -34,10 +34,20 @@ class ReadTrip(NamedTuple):
     notes: tuple[str, ...]
 
 
-def read_trip(folder: Path) -> ReadTrip:
-    """A drive as a trip. Raises InputError where nothing of it can be read."""
+class Read(NamedTuple):
+    """What a drive's recordings say of its trip."""
+
+    drive: Drive
+    fixes: tuple[GpsFix, ...]
+    """Valid, of the first receiver, at times that increase."""
+    wheels: tuple[Odometer, ...]
+    notes: tuple[str, ...]
+    """What was dropped or left out."""
+
+
+def read_drive(folder: Path) -> Read:
+    """The fixes and wheels of a drive. Raises InputError where nothing of it can be read."""
     drive = load_drive(folder)
-    name = drive_name(folder)
     stream = DriveStream(drive, str(folder))
     gathered = Gathered()
     for received in stream:
@@ -46,7 +56,13 @@ def read_trip(folder: Path) -> ReadTrip:
     notes = [f"{dropped:,} inputs were dropped or mended"] if dropped else []
     if gathered.late:
         notes.append(f"{gathered.late:,} fixes whose time went back were left out")
-    fixes = tuple(gathered.fixes)
+    return Read(drive, tuple(gathered.fixes), tuple(gathered.wheels), tuple(notes))
+
+
+def read_trip(folder: Path) -> ReadTrip:
+    """A drive as a trip. Raises InputError where nothing of it can be read."""
+    name, (drive, fixes, wheels, dropped) = drive_name(folder), read_drive(folder)
+    notes = list(dropped)
     if len(fixes) < FIXES_MIN:
         notes.append(f"left out: {len(fixes)} fixes are too few to smooth, {FIXES_MIN} are needed")
         return ReadTrip(name, None, tuple(notes))
@@ -57,7 +73,7 @@ def read_trip(folder: Path) -> ReadTrip:
         return ReadTrip(name, None, tuple(notes))
     if not track.good.any():
         notes.append("no fix is good: fewer than 4 satellites or a PDOP above 8 throughout")
-    reference = _reference(drive, fixes, track, gathered.wheels)
+    reference = reference_of(drive, fixes, track, wheels)
     return ReadTrip(name, Trip(name, fixes, track, reference), tuple(notes))
 
 
@@ -72,7 +88,7 @@ class Gathered:
 
     def take(self, message: Message, source: str) -> None:
         """Any message; the others are not listened to."""
-        if isinstance(message, Odometer) and message.speed_mps is not None:
+        if isinstance(message, Odometer):
             self.wheels.append(message)
         if not isinstance(message, GpsFix) or not message.valid:
             return
@@ -85,9 +101,10 @@ class Gathered:
         self.fixes.append(message)
 
 
-def _reference(
-    drive: Drive, fixes: tuple[GpsFix, ...], track: Track, wheels: list[Odometer]
+def reference_of(
+    drive: Drive, fixes: tuple[GpsFix, ...], track: Track, wheels: tuple[Odometer, ...]
 ) -> Reference:
+    """What a trip is judged by: its truth, its wheels, or what the receiver says of its speed."""
     if drive.truth is not None:
         return _by_truth(Path(drive.truth.path), fixes)
     return _by_wheels(fixes, track, wheels) or _by_receiver(track)
@@ -103,7 +120,7 @@ def _by_truth(path: Path, fixes: tuple[GpsFix, ...]) -> Reference:
 
 
 def _by_wheels(
-    fixes: tuple[GpsFix, ...], track: Track, odometer: list[Odometer]
+    fixes: tuple[GpsFix, ...], track: Track, odometer: tuple[Odometer, ...]
 ) -> Reference | None:
     """Wheels, of the scale that the receiver's speeds tell; None where they are silent too long."""
     wheels = Wheels()
@@ -125,10 +142,14 @@ def _by_wheels(
     return Reference("wheels", speeds_mps, float(ways_m.sum()))
 
 
-def _speeds_at(fixes: tuple[GpsFix, ...], odometer: list[Odometer]) -> Floats:
+def _speeds_at(fixes: tuple[GpsFix, ...], odometer: tuple[Odometer, ...]) -> Floats:
+    """Of the wheels, nan where only a distance was counted."""
     origin_ns = fixes[0].t_ns
-    times_s = np.array([(message.t_ns - origin_ns) * 1e-9 for message in odometer])
-    speeds_mps = np.array([message.speed_mps for message in odometer], dtype=np.float64)
+    told = [message for message in odometer if message.speed_mps is not None]
+    if not told:
+        return np.full(len(fixes), np.nan)
+    times_s = np.array([(message.t_ns - origin_ns) * 1e-9 for message in told])
+    speeds_mps = np.array([message.speed_mps for message in told], dtype=np.float64)
     asked_s = np.array([(fix.t_ns - origin_ns) * 1e-9 for fix in fixes])
     return np.asarray(np.interp(asked_s, times_s, speeds_mps, left=np.nan, right=np.nan))
 

@@ -141,7 +141,7 @@ function renderPanel(): void {
     html`
       <header>
         <h1>Wayline</h1>
-        <span class="line-state ${isLive && !isPast ? "open" : "closed"}"
+        <span class="line-state ${isPast ? "past" : isLive ? "open" : "closed"}"
           >${isPast ? "past" : isLive ? "live" : "not live"}</span
         >
       </header>

@@ -4,7 +4,9 @@ import math
 
 import msgspec
 
-from wayline.messages import Barometer, GpsFix, Gyro, Odometer
+from wayline.messages import Barometer, GpsFix, Gyro, Odometer, Torque
+from wayline.vertical.frozen_torque import FrozenTorque
+from wayline.vertical.plausible import is_air, is_on_earth
 from wayline_fusion.intake.frozen_receiver import FrozenReceiver
 
 FASTEST_MPS = 150.0
@@ -13,9 +15,6 @@ HARDEST_TURN_MPS2 = 15.0
 """Tyres hold 10 m/s2; a gyro's spike at speed claims more."""
 FASTEST_TURN_DEGPS = 360.0
 """At any speed."""
-PRESSURES_PA = (30_000.0, 120_000.0)
-"""From the highest pass to the deepest mine."""
-ALTITUDES_M = (-1_000.0, 12_000.0)
 STDS_M = (1e-3, 1e4)
 SPEED_STDS_MPS = (1e-2, 1e2)
 COURSE_STDS_DEG = (1e-2, 180.0)
@@ -27,10 +26,9 @@ SPEED_HELD_NS = 1_000_000_000
 
 def within_reason(fix: GpsFix) -> GpsFix:
     """A fix whose stds are neither certainty nor beyond all use, without an altitude in space."""
-    is_on_earth = fix.alt_m is not None and ALTITUDES_M[0] <= fix.alt_m <= ALTITUDES_M[1]
     return msgspec.structs.replace(
         fix,
-        alt_m=fix.alt_m if is_on_earth else None,
+        alt_m=fix.alt_m if fix.alt_m is not None and is_on_earth(fix.alt_m) else None,
         h_std_m=_within(STDS_M, fix.h_std_m),
         v_std_m=_within(STDS_M, fix.v_std_m),
         speed_std_mps=_within(SPEED_STDS_MPS, fix.speed_std_mps),
@@ -58,6 +56,7 @@ class Plausibility:
     def __init__(self) -> None:
         self._wheels: Odometer | None = None
         self._receivers: dict[str, FrozenReceiver] = {}
+        self._torque = FrozenTorque()
         self._driven_m = 0.0
         self._slow_turn_degps = FASTEST_TURN_DEGPS
         """Turns as slow as this are possible at the last speed, however old it is."""
@@ -74,9 +73,16 @@ class Plausibility:
             return self._of_wheels(message)
         if isinstance(message, GpsFix) and message.valid:
             return self._of_fix(message, source)
-        if isinstance(message, Barometer) and message.pressure_pa is not None:
-            least_pa, most_pa = PRESSURES_PA
-            return None if least_pa <= message.pressure_pa <= most_pa else "no road has such air"
+        if isinstance(message, Barometer | Torque):
+            return self._of_height(message)
+        return None
+
+    def _of_height(self, message: Barometer | Torque) -> str | None:
+        if isinstance(message, Barometer):
+            is_none = message.pressure_pa is not None and not is_air(message.pressure_pa)
+            return "no road has such air" if is_none else None
+        if self._torque.is_frozen(message, self._driven_m):
+            return "the torque does not change, however far the vehicle drives"
         return None
 
     def _of_turn(self, t_ns: int, rate_degps: float) -> str | None:

@@ -6,7 +6,7 @@ import type { TemplateResult } from "lit-html";
 import type { Form, PastEvent, Trip } from "../past/history";
 import { HOUR_MS, startOfDay } from "../past/past";
 import type { Past } from "../past/past";
-import type { Pose } from "../view";
+import type { Pose, PoseMode } from "../view";
 import {
   MODE_NAMES,
   UNKNOWN,
@@ -201,7 +201,8 @@ function eventList(past: Past): TemplateResult | null {
 
 function eventText({ t, until, kind, name, count }: PastEvent): TemplateResult {
   const lasted = until === null ? 0 : (Date.parse(until) - Date.parse(t)) / 1000;
-  const parts = [name, lasted < 1 ? "" : duration(lasted), (count ?? 1) < 2 ? "" : `${count}×`];
+  const about = kind === "mode" ? (MODE_NAMES[name as PoseMode] ?? name) : name;
+  const parts = [about, lasted < 1 ? "" : duration(lasted), (count ?? 1) < 2 ? "" : `${count}×`];
   return html`
     <span>${clockTime(Date.parse(t))} ${KINDS[kind] ?? kind}</span>
     <span class="past-more">${parts.filter((part) => part !== "").join(", ")}</span>

@@ -70,6 +70,7 @@ def upgrade() -> None:
         "history_alive",
         sa.Column("only", sa.Integer, primary_key=True, autoincrement=False),
         sa.Column("t_ns", sa.BigInteger, nullable=False),
+        sa.Column("is_whole", sa.Boolean, nullable=False),
     )
 
 
