@@ -19,7 +19,7 @@ RATE_MIN, RATE_MAX = 0.2, 4.0
 SKIPPED = 0.15
 """So many stops that may be are passed without a stand, at most SKIPPED_MAX in a row."""
 SKIPPED_MAX = 2
-HELD_UP = 0.15
+HELD_UP = 0.1
 """On the way to so many stops there is a stand before, at a light or in a queue."""
 HELD_UP_S = 20.0
 """A stand between stops lasts at least about so long."""
@@ -138,9 +138,10 @@ class PointMotion:
         """Where vehicles will stand next, and at which stop."""
         motion = self.motion
         places_m, stops = motion.next_stops(from_m)
+        skipped = np.full(POINTS, True)
         for _ in range(SKIPPED_MAX if len(motion.stops_m) else 0):
             later_m, later = motion.next_stops(places_m)
-            skipped = (self._draws.even() < SKIPPED) & motion.may_be_skipped[stops]
+            skipped &= (self._draws.even() < SKIPPED) & motion.may_be_skipped[stops]
             skipped &= np.isfinite(later_m)
             places_m, stops = np.where(skipped, later_m, places_m), np.where(skipped, later, stops)
         beyond = ~np.isfinite(places_m)

@@ -165,7 +165,7 @@ class RouteFollower:
             place = self._tracker.observe(pose, lat_deg, lon_deg, expected_m)
             self._speed_mps = _speed_of(self._pose, pose)
             self._presence.observe(place, self._speed_mps)
-        self._has_turned = self._turns(before, place)
+        self._has_turned = self.on_route and self._turns(before, place)
         self._pose, self._place = pose, place
         if self._has_turned:
             self._place = place._replace(total_m=self._last_m)
