@@ -17,7 +17,7 @@ KINDS = 2 * SPANS
 """Forecasts by the plan are wrong by other shares of their ranges than those that were learned."""
 REMEMBERED = 600
 """Forecasts of each span; older ones are forgotten."""
-BELIEVED = 12
+BELIEVED = 6
 """So many made-up ones stand beside them."""
 SHARE = 0.1
 """Of arrivals before the range, and of those after it."""

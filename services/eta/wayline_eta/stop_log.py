@@ -142,6 +142,8 @@ class StopLog:
         while self._is_visit(visit) and self._place_m(visit) <= seen.total_m:
             crossed.append(visit)
             visit += 1
+        if not crossed:
+            return []
         apart_s = max((seen.t_ns - last.t_ns) * 1e-9, 1e-3)
         if self._was_off or seen.total_m - last.total_m > FASTEST_MPS * apart_s + GOES_BACK_M:
             return [self._happening(seen.t_ns, each, "skipped", reckoned=True) for each in crossed]
