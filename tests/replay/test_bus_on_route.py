@@ -6,7 +6,7 @@ The truths (where the detour was, when each stop was passed) are those of the dr
 import csv
 import datetime as dt
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
 from zoneinfo import ZoneInfo
@@ -74,9 +74,10 @@ def told(recorded: Callable[[str], Path]) -> list[Told]:
     return [one for messages in said for one in _told(messages)]
 
 
-def _told(messages: object) -> list[Told]:
-    match messages:
-        case [*_, Progress() as progress, Arrivals() as arrivals]:  # after what happened at stops
+def _told(outputs: Iterable[object]) -> list[Told]:
+    # what happened at stops goes before them, what is to be kept comes after
+    match [each for each in outputs if isinstance(each, Progress | Arrivals)]:
+        case [Progress() as progress, Arrivals() as arrivals]:
             return [Told(clock_of(progress), progress, arrivals)]
     return []
 
