@@ -166,11 +166,34 @@ class StructsApp(FastAPI):
         document = super().openapi()
         components = document.setdefault("components", {})
         components.setdefault("schemas", {}).update(self._components)
+        _describe_path_parameters(document)
         if self._guarded:
             components["securitySchemes"] = {"token": {"type": "http", "scheme": "bearer"}}
             # {}: some paths need none
             document["security"] = [{"token": []}, {}]
         return document
+
+
+PATH_PARAMETERS = {
+    "vehicle_id": ("The vehicle, as its key on the bus has it", "bus-1"),
+    "route_id": ("The route, in its source's own text", "5A"),
+    "stop_id": ("The stop, in its source's own text", "2373"),
+    "trip_id": ("The timetable's trip, in its feed's own text", "868590120"),
+    "road_id": ("The road, as /v1/roads lists it", "road-4564d0aa9a24"),
+    "form": ("The kind of file", "gpx"),
+    "what": ("What is asked of history", "trips"),
+    "trip_key": ("The vehicle's trip, as its list of trips has it", "bus-1_20260505T061500Z"),
+}
+"""What paths are asked of, with an example."""
+
+
+def _describe_path_parameters(document: dict[str, Any]) -> None:
+    for operations in document.get("paths", {}).values():
+        for operation in operations.values():
+            for parameter in operation.get("parameters", ()):
+                if parameter["in"] == "path" and parameter["name"] in PATH_PARAMETERS:
+                    said, example = PATH_PARAMETERS[parameter["name"]]
+                    parameter |= {"description": said, "example": example}
 
 
 class SafeHeaders:

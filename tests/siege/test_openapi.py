@@ -41,3 +41,16 @@ def test_every_answer_is_as_the_document_says(besieged: Besieged, bus: Bus, serv
 
         ask()
     besieged.assert_stands()
+
+
+@pytest.mark.parametrize("service", SERVICES)
+def test_every_parameter_is_described(besieged: Besieged, service: str) -> None:
+    paths = besieged.get(service, "/openapi.json")["paths"]
+    unsaid = [
+        (path, parameter["name"])
+        for path, operations in paths.items()
+        for operation in operations.values()
+        for parameter in operation.get("parameters", ())
+        if not parameter.get("description")
+    ]
+    assert unsaid == []

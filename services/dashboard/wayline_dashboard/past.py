@@ -18,7 +18,7 @@ from wayline.query_error import QueryError
 TIMEOUT_S = 10.0
 PASSED_ON = ("content-type", "content-disposition")
 What = Literal["track", "track.gpx", "track.csv", "track.geojson", "trips", "events"]
-Text = Annotated[str, Meta(max_length=64)] | msgspec.UnsetType
+Text = Annotated[str, Meta(max_length=64)]
 
 # a line of its own for every request would hide all others
 logging.getLogger("httpx2").setLevel(logging.WARNING)
@@ -27,11 +27,19 @@ logging.getLogger("httpx2").setLevel(logging.WARNING)
 class PastParameters(msgspec.Struct, frozen=True, kw_only=True):
     """What history's paths take; history says what is wrong with it."""
 
-    from_: Text = msgspec.field(default=msgspec.UNSET, name="from")
-    to: Text = msgspec.UNSET
-    kind: Text = msgspec.UNSET
-    step_s: Text = msgspec.UNSET
-    limit: Text = msgspec.UNSET
+    from_: Annotated[Text, Meta(description="First instant, RFC 3339")] | msgspec.UnsetType = (
+        msgspec.field(default=msgspec.UNSET, name="from")
+    )
+    to: Annotated[Text, Meta(description="Before this instant, RFC 3339")] | msgspec.UnsetType = (
+        msgspec.UNSET
+    )
+    kind: Annotated[Text, Meta(description="raw, fused or on_route")] | msgspec.UnsetType = (
+        msgspec.UNSET
+    )
+    step_s: Annotated[Text, Meta(description="One point in so long")] | msgspec.UnsetType = (
+        msgspec.UNSET
+    )
+    limit: Annotated[Text, Meta(description="So many at most")] | msgspec.UnsetType = msgspec.UNSET
 
 
 def add_past(app: FastAPI, history_url: str) -> None:

@@ -49,7 +49,7 @@ class StopArrivalsParameters(msgspec.Struct, frozen=True, kw_only=True):
         Annotated[float, Meta(gt=0.0, le=1440.0, description="Only those due within so long")]
         | msgspec.UnsetType
     ) = msgspec.UNSET
-    limit: Annotated[int, Meta(ge=1, le=LIST_MAX)] = 100
+    limit: Annotated[int, Meta(ge=1, le=LIST_MAX, description="So many at most")] = 100
 
     def asks_for(self, arrival: ArrivalAnswer) -> bool:
         """Whether an arrival is one of those."""

@@ -27,8 +27,10 @@ class StopsParameters(msgspec.Struct, frozen=True, kw_only=True):
         Annotated[str, Meta(pattern=PLACE, description="Latitude,longitude in degrees")]
         | msgspec.UnsetType
     ) = msgspec.UNSET
-    radius_m: Annotated[float, Meta(gt=0.0, le=20_000.0)] = RADIUS_M
-    limit: Annotated[int, Meta(ge=1, le=LIST_MAX)] = 100
+    radius_m: Annotated[
+        float, Meta(gt=0.0, le=20_000.0, description="How far from the place at most")
+    ] = RADIUS_M
+    limit: Annotated[int, Meta(ge=1, le=LIST_MAX, description="So many at most")] = 100
 
 
 class StopAnswer(msgspec.Struct, frozen=True, kw_only=True):

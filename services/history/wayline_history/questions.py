@@ -30,7 +30,7 @@ class StretchParameters(msgspec.Struct, frozen=True, kw_only=True):
 class EventsParameters(StretchParameters, frozen=True, kw_only=True):
     """What happened in a stretch of time."""
 
-    limit: Annotated[int, Meta(ge=1, le=EVENTS_MAX)] = 1_000
+    limit: Annotated[int, Meta(ge=1, le=EVENTS_MAX, description="So many at most")] = 1_000
 
 
 class TrackParameters(StretchParameters, frozen=True, kw_only=True):
@@ -50,7 +50,9 @@ class TrackParameters(StretchParameters, frozen=True, kw_only=True):
 class PagedTrackParameters(TrackParameters, frozen=True, kw_only=True):
     """A track in pages: `next` of one is `from` of the next."""
 
-    limit: Annotated[int, Meta(ge=1, le=POINTS_MAX)] = POINTS_MAX
+    limit: Annotated[int, Meta(ge=1, le=POINTS_MAX, description="So many points at most")] = (
+        POINTS_MAX
+    )
 
 
 Format = Literal["json", "gpx", "csv", "geojson"]

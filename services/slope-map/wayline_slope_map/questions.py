@@ -54,7 +54,7 @@ class LookaheadParameters(AheadParameters, frozen=True, kw_only=True):
 class StretchParameters(msgspec.Struct, frozen=True, kw_only=True):
     """Which direction and part of a road; without a part all of it."""
 
-    direction: Way = "forward"
+    direction: Annotated[Way, Meta(description="Along the road's line, or against it")] = "forward"
     from_m: FromM | UnsetType = UNSET
     to_m: ToM | UnsetType = UNSET
 
