@@ -38,6 +38,8 @@ EVER = (0, 2**62)
 WAIT_S = 20.0
 DRIVE = Path(__file__).parents[3] / "deploy" / "demo" / "avl-shuttle"
 SHUTTLE = "target-shuttle"
+QUIET_S = 0.5
+"""What is sent over loopback has come by then."""
 Open = Callable[[str], History]
 
 
@@ -81,6 +83,14 @@ class CountingInbox(Inbox):
         super().put(item)
         self.come += 1
 
+    def await_quiet(self) -> int:
+        """How many have come, once none of those that were sent several times is on its way."""
+        come, pause = -1, threading.Event()
+        while come != self.come:
+            come = self.come
+            pause.wait(QUIET_S)
+        return come
+
     def await_items(self, count: int) -> None:
         deadline_s, pause = time.monotonic() + WAIT_S, threading.Event()
         while self.come < count:
@@ -102,7 +112,7 @@ def test_a_live_drive_is_kept_as_the_replayed_one_is(
         while not inbox.come:
             # until the service has subscribed; what comes twice is kept once
             publishers.put(SHUTTLE, first.topic, source, encode(first))
-        begun = inbox.come
+        begun = inbox.await_quiet()
         for number, (message, source) in enumerate(told[1:], 1):
             publishers.put(SHUTTLE, message.topic, source, encode(message))
             inbox.await_items(begun + number)
