@@ -20,7 +20,7 @@ from wayline.codec import encode
 from wayline.drive_file import load_drive
 from wayline.ending import Ending
 from wayline.errors import InputError
-from wayline.inbox import Inbox, Item
+from wayline.inbox import Inbox, Item, Sample
 from wayline.loop import Loop
 from wayline.messages import Message
 from wayline.pipeline import Pipeline
@@ -73,7 +73,7 @@ def replayed(url: str) -> list[tuple[Message, str]]:
 
 
 class CountingInbox(Inbox):
-    """Knows how many items have come."""
+    """Knows how many messages have come."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -81,7 +81,8 @@ class CountingInbox(Inbox):
 
     def put(self, item: Item) -> None:
         super().put(item)
-        self.come += 1
+        # a service that comes alive is no message
+        self.come += isinstance(item, Sample)
 
     def await_quiet(self) -> int:
         """How many have come, once none of those that were sent several times is on its way."""
