@@ -15,6 +15,7 @@ from wayline.errors import InputError
 from wayline.parameters import read_parameters
 from wayline.query_error import QueryError
 from wayline.rfc3339 import rfc3339
+from wayline.trip_distance.wording import in_km
 from wayline_history.answers import TripAnswer, TripList, trip_answer
 from wayline_history.documents import document_of, stepped
 from wayline_history.questions import StretchParameters, TrackParameters
@@ -104,7 +105,7 @@ def _print_trips(trips: tuple[TripAnswer, ...], console: Console) -> None:
     for trip in trips:
         table.add_row(
             trip.trip_key,
-            f"{trip.distance_m / 1000.0:,.3f}",
+            in_km(trip.distance_m, trip.distance_std_m),
             f"{trip.seconds / 60.0:,.1f} min",
             f"{trip.moving_s / 60.0:,.1f} min",
             "" if trip.climb_m is None else f"{trip.climb_m:,.0f} m",

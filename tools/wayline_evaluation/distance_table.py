@@ -4,13 +4,11 @@ from collections.abc import Iterator
 
 from rich.table import Table
 
+from wayline.trip_distance.wording import DIGITS_MAX, KM_M, in_km
 from wayline_evaluation.distances import DistanceReport, Measured
 from wayline_evaluation.drive_table import drive_table, number, percent
 
 COLUMNS = ("km", "bridged\nkm", "GPS alone\nkm", "reference\nkm", "off\n%", "stds")
-KM_M = 1_000.0
-DIGITS_MAX = 3
-"""Metres."""
 
 
 def distance_tables(report: DistanceReport) -> Iterator[Table]:
@@ -22,9 +20,9 @@ def distance_tables(report: DistanceReport) -> Iterator[Table]:
             each.drive,
             each.measured.basis,
             each.reference or "",
-            plus_minus(each.measured),
+            _in_km(each.measured),
             number(each.measured.bridged_m / KM_M, 2),
-            "" if each.by_gps is None else plus_minus(each.by_gps),
+            "" if each.by_gps is None else _in_km(each.by_gps),
             number(reference_km, DIGITS_MAX),
             number(each.error_pct, 2),
             number(each.stds, 1),
@@ -40,11 +38,8 @@ def distance_tables(report: DistanceReport) -> Iterator[Table]:
         yield notes
 
 
-def plus_minus(measured: Measured) -> str:
-    """`12.3 +/- 0.1`: as many digits as the std has."""
-    std_km = measured.distance_std_m / KM_M
-    digits = next((n for n in range(1, DIGITS_MAX) if std_km >= 0.5 * 10.0**-n), DIGITS_MAX)
-    return f"{measured.distance_m / KM_M:.{digits}f} +/- {std_km:.{digits}f}"
+def _in_km(measured: Measured) -> str:
+    return in_km(measured.distance_m, measured.distance_std_m)
 
 
 def _all(report: DistanceReport) -> Table:

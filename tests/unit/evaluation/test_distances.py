@@ -10,9 +10,8 @@ from typer.testing import CliRunner
 from unit.smoothing.test_smoothing_command import DRIVE, TRIP, written
 from unit.trip_distance.journeys import Leg, journey, with_hole
 from wayline.errors import InputError
+from wayline.trip_distance.wording import in_km
 from wayline_cli.__main__ import app
-from wayline_evaluation.distance_table import plus_minus
-from wayline_evaluation.distances import Measured
 from wayline_simulator.trips.files import simulate_trips
 from wayline_simulator.trips.model import TripsModel
 
@@ -87,5 +86,4 @@ def test_one_fix_tells_no_distance(tmp_path: Path) -> None:
 def test_a_distance_has_as_many_digits_as_its_std(
     distance_m: float, std_m: float, text: str
 ) -> None:
-    measured = Measured(distance_m=distance_m, distance_std_m=std_m, basis="speeds", bridged_m=0.0)
-    assert plus_minus(measured) == text
+    assert in_km(distance_m, std_m) == text

@@ -117,6 +117,13 @@ export function length(metres: number | null | undefined): string {
   return `${(metres / 1000).toFixed(metres < 10_000 ? 1 : 0)} km`;
 }
 
+/** "12.3 ± 0.1 km": a way and one sigma of it, with as many digits as that has. */
+export function travelled(metres: number, stdMetres: number): string {
+  const std = stdMetres / 1000;
+  const decimals = std >= 0.05 ? 1 : std >= 0.005 ? 2 : 3;
+  return `${(metres / 1000).toFixed(decimals)} ± ${std.toFixed(decimals)} km`;
+}
+
 /** "1.8 m", "25 m": an accuracy keeps a decimal while it matters. */
 export function accuracy(metres: number): string {
   return metres < 9.95 ? `${metres.toFixed(1)} m` : length(metres);

@@ -11,6 +11,7 @@ import {
   length,
   signed,
   speedKmh,
+  travelled,
 } from "../src/words";
 
 describe("countdown", () => {
@@ -78,4 +79,12 @@ test("reverse is negative", () => expect(speedKmh(-2)).toBe("−7"));
 
 test("headings wrap at north", () => {
   expect([heading(359.7), compassPoint(359.7), compassPoint(46)]).toEqual(["0°", "N", "NE"]);
+});
+
+describe("a way and what it may be off by", () => {
+  test.each([
+    [12_345, 80, "12.3 ± 0.1 km"],
+    [3_312, 14, "3.31 ± 0.01 km"],
+    [820, 2, "0.820 ± 0.002 km"],
+  ])("%d m and %d m are %s", (metres, std, text) => expect(travelled(metres, std)).toBe(text));
 });

@@ -18,6 +18,7 @@ import {
   heading,
   length,
   speedKmh,
+  travelled,
 } from "../words";
 
 const SPEEDS = [1, 5, 10, 30, 60, 300];
@@ -170,7 +171,7 @@ function tripList(past: Past): TemplateResult {
 function tripText(trip: Trip): TemplateResult {
   const stops = trip.stops.length;
   const more = [
-    length(trip.distance_m),
+    travelled(trip.distance_m, trip.distance_std_m),
     duration(trip.seconds),
     ...(stops === 0 ? [] : [stops === 1 ? "1 stop" : `${stops} stops`]),
     ...(trip.under_way ? ["under way"] : []),

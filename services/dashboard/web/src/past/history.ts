@@ -17,6 +17,7 @@ export interface Trip {
   under_way: boolean;
   seconds: number;
   distance_m: number;
+  distance_std_m: number;
   climb_m: number | null;
   stops: PastStop[];
 }
