@@ -15,6 +15,7 @@ from wayline_gps_ingest.decode import decode
 from wayline_gps_ingest.derived_speed import DerivedSpeed
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
+from wayline_gps_ingest.late_reports import LateReports
 from wayline_gps_ingest.onward_clock import OnwardClock
 from wayline_gps_ingest.parsing import parse
 from wayline_gps_ingest.reports import fix_of_report
@@ -56,6 +57,7 @@ class GpsIngestCore:
         self._clock_from_ns = clock_from_ns
         self._clock = OnwardClock()
         self._derived_speed = DerivedSpeed()
+        self._late_reports = LateReports()
         self._faults: Counter[str] = Counter()
         self._waiting = WaitingRoom()
         self._checked = False
@@ -210,7 +212,7 @@ class GpsIngestCore:
 
     def _report(self, report: PositionReport) -> list[Message]:
         fix = fix_of_report(report)
-        if fix is None:
+        if fix is None or self._late_reports.is_late(report.t_ns):
             self._faults["report"] += 1
             return []
         self._received_ns = report.received_ns
