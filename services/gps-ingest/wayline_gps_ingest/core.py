@@ -15,10 +15,9 @@ from wayline_gps_ingest.decode import decode
 from wayline_gps_ingest.derived_speed import DerivedSpeed
 from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
-from wayline_gps_ingest.late_reports import LateReports
 from wayline_gps_ingest.onward_clock import OnwardClock
 from wayline_gps_ingest.parsing import parse
-from wayline_gps_ingest.reports import fix_of_report
+from wayline_gps_ingest.reports import Reports
 from wayline_gps_ingest.waiting import WaitingRoom
 
 WAIT_NS = SECOND_NS
@@ -57,7 +56,7 @@ class GpsIngestCore:
         self._clock_from_ns = clock_from_ns
         self._clock = OnwardClock()
         self._derived_speed = DerivedSpeed()
-        self._late_reports = LateReports()
+        self._reports = Reports()
         self._faults: Counter[str] = Counter()
         self._waiting = WaitingRoom()
         self._checked = False
@@ -211,8 +210,8 @@ class GpsIngestCore:
         return self._clock.fixed_ns(raw_ns) if valid else self._clock.unfixed_ns(raw_ns)
 
     def _report(self, report: PositionReport) -> list[Message]:
-        fix = fix_of_report(report)
-        if fix is None or self._late_reports.is_late(report.t_ns):
+        fix = self._reports.fix(report)
+        if fix is None:
             self._faults["report"] += 1
             return []
         self._received_ns = report.received_ns
