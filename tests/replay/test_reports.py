@@ -100,6 +100,17 @@ def test_a_row_with_its_year_typed_wrong_costs_itself(tmp_path: Path, number: in
     assert len(poses) > 1100
 
 
+def test_rows_that_come_twice_or_late_move_no_pose(tmp_path: Path) -> None:
+    rows = [row for row in table() if row.startswith("7")]
+    mixed = list(rows)
+    mixed[20], mixed[21] = mixed[21], mixed[20]
+    mixed[40:40] = [rows[39], rows[30]]
+    summary = replayed(tmp_path / "mixed", mixed)
+    replayed(tmp_path / "once", rows[:20] + rows[21:])
+    assert summary.bad_input["gps-ingest"] == 3
+    assert topic(tmp_path / "mixed", "pose") == topic(tmp_path / "once", "pose")
+
+
 def test_where_that_no_row_fits_is_said(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="none of its 120 rows has bus 9; correct where in its"):
         replayed(tmp_path, table(), bus=9)

@@ -17,7 +17,7 @@ from wayline_gps_ingest.epoch import Epoch
 from wayline_gps_ingest.fields import SECOND_NS, BadFieldError
 from wayline_gps_ingest.onward_clock import OnwardClock
 from wayline_gps_ingest.parsing import parse
-from wayline_gps_ingest.reports import Reports
+from wayline_gps_ingest.reports import fix_of_report
 from wayline_gps_ingest.waiting import WaitingRoom
 
 WAIT_NS = SECOND_NS
@@ -56,7 +56,6 @@ class GpsIngestCore:
         self._clock_from_ns = clock_from_ns
         self._clock = OnwardClock()
         self._derived_speed = DerivedSpeed()
-        self._reports = Reports()
         self._faults: Counter[str] = Counter()
         self._waiting = WaitingRoom()
         self._checked = False
@@ -71,8 +70,8 @@ class GpsIngestCore:
         `checksum` wrong; `torn`: cut short, or without the checksum that this receiver sends;
         `malformed`; `field`: a time, date or position that cannot be one; `undated`: an epoch
         dropped for want of a date; `clock`: an epoch dropped or moved because the receiver's clock
-        stepped; `late`: an epoch or a sentence of one that came out of order, after a later epoch
-        was published; `report`: a position report outside the world.
+        stepped; `late`: an epoch, a sentence of one or a position report that came again or after
+        a later one was published; `report`: a position report outside the world.
         """
         counted = {
             **self._faults,
@@ -183,7 +182,8 @@ class GpsIngestCore:
     def _told(self, told: Epoch | GpsFix, raw_ns: int) -> list[Message]:
         raw_ns -= self._latency_ns
         if isinstance(told, GpsFix):
-            t_ns = self._onward_ns(raw_ns, valid=True)
+            is_late = self._clock.is_late_report(raw_ns)
+            t_ns = None if is_late else self._onward_ns(raw_ns, valid=True)
             return [] if t_ns is None else [msgspec.structs.replace(told, t_ns=t_ns)]
         return self._epoch_told(told, raw_ns)
 
@@ -210,7 +210,7 @@ class GpsIngestCore:
         return self._clock.fixed_ns(raw_ns) if valid else self._clock.unfixed_ns(raw_ns)
 
     def _report(self, report: PositionReport) -> list[Message]:
-        fix = self._reports.fix(report)
+        fix = fix_of_report(report)
         if fix is None:
             self._faults["report"] += 1
             return []

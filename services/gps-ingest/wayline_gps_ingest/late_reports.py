@@ -12,6 +12,7 @@ class LateReports:
         self._late_ns = 0
         """The last one before the newest."""
         self._in_a_row = 0
+        self.dropped = 0
 
     def is_late(self, t_ns: int) -> bool:
         """Whether a report tells nothing of now."""
@@ -20,6 +21,7 @@ class LateReports:
             self._in_a_row = self._in_a_row + 1 if goes_on else int(t_ns < self._newest_ns)
             self._late_ns = t_ns
             if self._in_a_row < STEPPED_AFTER:
+                self.dropped += 1
                 return True
         self._newest_ns, self._late_ns, self._in_a_row = t_ns, 0, 0
         return False

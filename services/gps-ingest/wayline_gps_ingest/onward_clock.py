@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from wayline_gps_ingest.dates import SECOND_NS
+from wayline_gps_ingest.late_reports import LateReports
 from wayline_gps_ingest.latecomers import Latecomers
 
 SOON_NS = 20 * SECOND_NS
@@ -49,6 +50,7 @@ class OnwardClock:
         self._period_ns = PERIOD_MAX_NS
         self._step: StepBack | None = None
         self._latecomers = Latecomers()
+        self._late_reports = LateReports()
         self.faults = 0
         """Instants that were dropped or moved because the clock stepped."""
 
@@ -60,11 +62,15 @@ class OnwardClock:
     @property
     def late(self) -> int:
         """Instants that were overtaken on their way, and dropped."""
-        return self._latecomers.dropped
+        return self._latecomers.dropped + self._late_reports.dropped
 
     def is_overtaken(self, raw_ns: int) -> bool:
         """Whether later instants than this one came before it, though the clock did not step."""
         return self._latecomers.is_late(raw_ns)
+
+    def is_late_report(self, raw_ns: int) -> bool:
+        """Whether a position report came again, or after a later one."""
+        return self._late_reports.is_late(raw_ns)
 
     def repeat_ns(self, raw_ns: int) -> int | None:
         """The instant of a repeated fix: the last one once more, else None."""

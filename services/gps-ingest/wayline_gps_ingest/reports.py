@@ -2,21 +2,8 @@
 
 from wayline.inputs import PositionReport
 from wayline.messages import SPEED_MAX_MPS, TEXT_MAX, GpsFix
-from wayline_gps_ingest.late_reports import LateReports
 
 SATELLITES_MAX = 255
-
-
-class Reports:
-    """Makes fixes of the reports of one vehicle, each once and in order."""
-
-    def __init__(self) -> None:
-        self._late = LateReports()
-
-    def fix(self, report: PositionReport) -> GpsFix | None:
-        """The report as `fix_of_report` makes it; None too where it is no news."""
-        fix = fix_of_report(report)
-        return None if fix is None or self._late.is_late(report.t_ns) else fix
 
 
 def fix_of_report(report: PositionReport) -> GpsFix | None:
