@@ -111,6 +111,48 @@ class GpsSky(Message, frozen=True, kw_only=True):
     satellites: Annotated[tuple[Satellite, ...], AtMost] = ()
 
 
+class RawSatellite(msgspec.Struct, frozen=True, kw_only=True):
+    """What a receiver measured of one satellite, and where that was; ECEF, at the transmission.
+
+    The pseudorange is free of the atmosphere's delay. `clock_bias_m` is to be added to it; where
+    that is None, nothing is left to add. Place and motion are in the Earth-fixed frame of the
+    instant of transmission: the Earth's turn while the signal travelled is left to the reader.
+    """
+
+    system: Text
+    """gps, glonass, galileo, beidou, qzss, sbas, navic; each has a clock offset of its own."""
+    prn: Number
+    pseudorange_m: Quantity | None = None
+    pseudorange_std_m: ReceiverStd | None = None
+    """As the receiver claims it."""
+    doppler_hz: Quantity | None = None
+    """Positive when the satellite approaches."""
+    doppler_std_hz: ReceiverStd | None = None
+    cn0_dbhz: NonNegative | None = None
+    carrier_hz: Positive | None = None
+    elevation_deg: Quantity | None = None
+    azimuth_deg: Quantity | None = None
+    line_of_sight: bool | None = None
+    """Whether the signal came straight, where a data set tells: never read by a filter."""
+    x_m: Quantity | None = None
+    y_m: Quantity | None = None
+    z_m: Quantity | None = None
+    vx_mps: Quantity | None = None
+    vy_mps: Quantity | None = None
+    vz_mps: Quantity | None = None
+    clock_bias_m: Quantity | None = None
+    clock_drift_mps: Quantity | None = None
+
+
+class GpsRaw(Message, frozen=True, kw_only=True):
+    """One epoch of raw measurements."""
+
+    topic: ClassVar[str] = "gps_raw"
+    rate_hz: ClassVar[float] = 1.0
+
+    satellites: Annotated[tuple[RawSatellite, ...], AtMost] = ()
+
+
 class Odometer(Message, frozen=True, kw_only=True):
     """Wheel speed or distance as the vehicle measures it, before any scale is applied."""
 
@@ -227,6 +269,29 @@ class FusionStatus(Message, frozen=True, kw_only=True):
     late: Count = 0
     rejected: Count = 0
     verdicts: Annotated[tuple[Verdict, ...], AtMost] = ()
+
+
+class AidedSatellite(msgspec.Struct, frozen=True, kw_only=True):
+    """What a receiver's loops may expect of one satellite, with its std."""
+
+    system: Text
+    prn: Number
+    doppler_hz: Quantity
+    """Positive when the satellite approaches; the receiver clock's drift is in it where known."""
+    doppler_std_hz: Std
+    pseudorange_m: Quantity | None = None
+    pseudorange_std_m: Std | None = None
+
+
+class Aiding(Message, frozen=True, kw_only=True):
+    """The vehicle's motion for a receiver's tracking loops (papers/001, tight coupling)."""
+
+    topic: ClassVar[str] = "aiding"
+    rate_hz: ClassVar[float] = 10.0
+
+    satellites: Annotated[tuple[AidedSatellite, ...], AtMost] = ()
+    clock_drift_mps: Quantity | None = None
+    """Of the receiver's clock."""
 
 
 class Progress(Message, frozen=True, kw_only=True):
@@ -432,12 +497,14 @@ class Health(Message, frozen=True, kw_only=True):
 MESSAGES: tuple[type[Message], ...] = (
     GpsFix,
     GpsSky,
+    GpsRaw,
     Odometer,
     Gyro,
     Torque,
     Barometer,
     Pose,
     FusionStatus,
+    Aiding,
     Progress,
     Arrivals,
     StopEvent,

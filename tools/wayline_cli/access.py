@@ -13,10 +13,12 @@ from typing import Any, Literal
 from wayline.errors import InputError
 from wayline.keys import FLEET, ROOT, alive_key, is_vehicle_id, message_key, query_key
 from wayline.messages import (
+    Aiding,
     Arrivals,
     Barometer,
     FusionStatus,
     GpsFix,
+    GpsRaw,
     GpsSky,
     Gyro,
     Health,
@@ -40,9 +42,9 @@ ASK = ("declare_subscriber", "query", "liveliness_query", "declare_liveliness_su
 SAY = ("put", "reply", "declare_queryable", "liveliness_token")
 """What a publisher sends and a reader gets. Nothing of Wayline deletes, so `delete` is denied."""
 VEHICLE_SOURCES: dict[str, tuple[type[Message], ...]] = {
-    "gps-ingest": (GpsFix, GpsSky),
+    "gps-ingest": (GpsFix, GpsSky, GpsRaw),
     "can-ingest": (GpsFix, Odometer, Gyro, Torque, Barometer),
-    "fusion": (Pose, FusionStatus),
+    "fusion": (Pose, FusionStatus, Aiding),
 }
 """What a vehicle's services publish below its id."""
 SERVER_SOURCES: dict[str, tuple[type[Message], ...]] = {
