@@ -9,7 +9,9 @@ from wayline.strict import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
 Probability = Annotated[float, Meta(gt=0.0, lt=1.0)]
-ArchitectureName = Literal["loose", "uncoupled", "gps_only", "gps_only_modified"]
+ArchitectureName = Literal[
+    "loose", "measurement", "uncoupled", "gps_only", "gps_only_modified"
+]
 
 VerticalSensor = Literal["gps", "barometer", "torque", "vehicle"]
 
@@ -141,6 +143,16 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """A parked vehicle may have been moved, or driven off while its computer started."""
     parked_heading_std_deg: Positive = 3.0
     """A parked vehicle's heading may have changed, as its position."""
+
+    # fusion, raw measurements
+    range_rate_std_mps: Positive = 0.1
+    """Floor of a range rate's std."""
+    clock_noise_m_per_sqrt_s: Positive = 0.3
+    """Of a receiver's clock, white frequency noise."""
+    clock_drift_walk_mps_per_sqrt_s: Positive = 0.05
+    """Crystals warm up and are shaken."""
+    height_walk_m_per_sqrt_m: Positive = 0.1
+    """Roads climb by this much: 1 m in 100 m, 3 m in a kilometre."""
 
     # fusion, vertical
     vertical_sensors: tuple[VerticalSensor, ...] = ("gps", "barometer", "torque", "vehicle")

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from wayline.errors import InputError
-from wayline.messages import GpsFix
+from wayline.messages import GpsFix, GpsRaw
 from wayline.received import Received
 
 HEAD_NS = 5_000_000_000
@@ -17,6 +17,8 @@ class Outage(NamedTuple):
 
     start_s: float
     length_s: float
+    satellites: int = 0
+    """So many stay in sight: too few for a fix, and none but raw measurements tell of them."""
 
 
 def parse_outage(text: str) -> Outage:
@@ -49,20 +51,26 @@ def check_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> No
 
 
 def with_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> Iterator[Received]:
-    """Blank position, speed, course and altitude of every fix measured during an outage."""
+    """Blank position, speed, course and altitude of every fix measured during an outage.
+
+    Of raw measurements those of as many satellites are left as the outage leaves.
+    """
     stream = iter(messages)
     head = _head(stream)
     if not head:
         return
     start_ns = min(received.message.t_ns for received in head)
     spans = [
-        (start_ns + round(start_s * 1e9), start_ns + round((start_s + length_s) * 1e9))
-        for start_s, length_s in outages
+        (start_ns + round(start_s * 1e9), start_ns + round((start_s + length_s) * 1e9), satellites)
+        for start_s, length_s, satellites in outages
     ]
     for received in itertools.chain(head, stream):
         message = received.message
-        if isinstance(message, GpsFix) and any(a <= message.t_ns < b for a, b in spans):
+        left = next((left for a, b, left in spans if a <= message.t_ns < b), None)
+        if left is not None and isinstance(message, GpsFix):
             yield received._replace(message=blanked(message))
+        elif left is not None and isinstance(message, GpsRaw):
+            yield received._replace(message=masked(message, left))
         else:
             yield received
 
@@ -70,6 +78,12 @@ def with_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> Ite
 def blanked(fix: GpsFix) -> GpsFix:
     """The fix of a receiver that sees no satellites."""
     return GpsFix(t_ns=fix.t_ns, valid=False, satellites=0)
+
+
+def masked(epoch: GpsRaw, satellites: int) -> GpsRaw:
+    """An epoch of so many satellites: the first ones by system and number, wherever they stand."""
+    seen = sorted(epoch.satellites, key=lambda each: (each.system != "gps", each.system, each.prn))
+    return GpsRaw(t_ns=epoch.t_ns, satellites=tuple(seen[:satellites]))
 
 
 def _head(stream: Iterator[Received]) -> list[Received]:

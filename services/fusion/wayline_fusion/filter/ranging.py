@@ -1,0 +1,94 @@
+"""Pure: the horizontal filter with what pseudoranges need besides (papers/001, 2 b).
+
+The receiver's clock is the usual two-state model (R. G. Brown and P. Y. C. Hwang, Introduction to
+random signals and applied Kalman filtering, chapter 9): bias and drift, both driven by white noise.
+Each system but the first keeps its time by itself, so each has an offset of its own.
+"""
+
+import numpy as np
+
+from wayline.likelihood import Measurement
+from wayline.tuning import Tuning
+from wayline_fusion.filter.horizontal import DrivingNoise, HorizontalFilter
+from wayline_fusion.filter.states import SIZE, Floats
+
+OTHER_SYSTEMS = ("glonass", "galileo", "beidou", "qzss", "sbas", "navic")
+"""All but GPS, whose time the clock is held against."""
+
+
+class RangingStates:
+    """Places in the state vector behind those of `States`, with the unit of each."""
+
+    CLOCK = SIZE  # m, of the receiver against GPS time
+    CLOCK_DRIFT = SIZE + 1  # m/s
+    HEIGHT = SIZE + 2  # m above the ellipsoid
+    OFFSETS = SIZE + 3  # m, one for each of OTHER_SYSTEMS
+
+
+R = RangingStates
+RANGING_SIZE = R.OFFSETS + len(OTHER_SYSTEMS)
+CLOCK_UNKNOWN_M = 1e6
+DRIFT_UNKNOWN_MPS = 300.0
+"""A crystal is off by a millionth."""
+HEIGHT_UNKNOWN_M = 500.0
+OFFSET_WALK_M_PER_SQRT_S = 0.02
+
+
+class RangingFilter(HorizontalFilter):
+    """`HorizontalFilter` with the receiver's clock, the height and an offset a system."""
+
+    def __init__(self, tuning: Tuning) -> None:
+        super().__init__(tuning, RANGING_SIZE)
+
+    def _initial_stds(self) -> list[float]:
+        offsets = [CLOCK_UNKNOWN_M] * len(OTHER_SYSTEMS)
+        unknown = [CLOCK_UNKNOWN_M, DRIFT_UNKNOWN_MPS, HEIGHT_UNKNOWN_M, *offsets]
+        return [*super()._initial_stds(), *unknown]
+
+    def advance(
+        self, dt_s: float, turn_rad: float | None, noise: DrivingNoise, *, standing: bool
+    ) -> None:
+        """Predict over a step of at most a few tenths of a second; the clock goes on by itself."""
+        self.F[R.CLOCK, R.CLOCK_DRIFT] = dt_s
+        self._set_clock_noise(dt_s)
+        climbed_m2 = self._tuning.height_walk_m_per_sqrt_m**2 * abs(self.speed_mps) * dt_s
+        self.Q[R.HEIGHT, R.HEIGHT] = climbed_m2
+        for offset in range(R.OFFSETS, RANGING_SIZE):
+            self.Q[offset, offset] = OFFSET_WALK_M_PER_SQRT_S**2 * dt_s
+        super().advance(dt_s, turn_rad, noise, standing=standing)
+        self.x[R.CLOCK] += self.x[R.CLOCK_DRIFT] * dt_s
+
+    def _set_clock_noise(self, dt_s: float) -> None:
+        Q, tuning = self.Q, self._tuning
+        bias = tuning.clock_noise_m_per_sqrt_s**2
+        drift = tuning.clock_drift_walk_mps_per_sqrt_s**2
+        Q[R.CLOCK, R.CLOCK] = bias * dt_s + drift * dt_s**3 / 3.0
+        Q[R.CLOCK, R.CLOCK_DRIFT] = Q[R.CLOCK_DRIFT, R.CLOCK] = 0.5 * drift * dt_s**2
+        Q[R.CLOCK_DRIFT, R.CLOCK_DRIFT] = drift * dt_s
+
+    def expected(self, measurement: Measurement) -> Floats:
+        """Covariance of the innovation without the measurement's own noise, H P H'."""
+        H = measurement.H
+        known = H.shape[1]
+        predicted: Floats = H.dot(self.P[:known, :known]).dot(H.T)
+        return predicted
+
+    def correct(self, measurement: Measurement) -> None:
+        """Update the state; a measurement that knows of no satellites has fewer columns."""
+        H = measurement.H
+        if H.shape[1] < RANGING_SIZE:
+            widened = np.zeros((len(H), RANGING_SIZE))
+            widened[:, : H.shape[1]] = H
+            measurement = measurement._replace(H=widened)
+        super().correct(measurement)
+
+    def reset_motion(self) -> None:
+        """Forget position, heading, speed, height and clock; keep the sensors' calibration."""
+        super().reset_motion()
+        initial = self._initial_stds()
+        for state in range(SIZE, RANGING_SIZE):
+            self.reset_ranging(state, 0.0, initial[state])
+
+    def reset_ranging(self, state: int, value: float, std: float) -> None:
+        """Set clock, drift, height or an offset, forgetting what it had to do with others."""
+        self._reset_value(state, value, std)
