@@ -6,54 +6,73 @@ import msgspec
 import numpy as np
 
 from wayline.agreement import Agreement, lasted_s, rejected
-from wayline.geo import LocalPlane
 from wayline.likelihood import Measurement, threshold
-from wayline_fusion.evidence.single_epoch import fix_alone
 from wayline_fusion.evidence.range_fit import Heard, RangeFit, RangeTrack
+from wayline_fusion.evidence.single_epoch import fix_alone
 from wayline_fusion.filter.estimate import Estimate
 from wayline_fusion.filter.gate import TOO_FAR, UNUSED, Outcome, verdict
-from wayline_fusion.filter.range_noise import one_sided
 from wayline_fusion.filter.ranges import (
+    MILLISECOND_M,
+    Judged,
     Lines,
+    clock_step_m,
     judged,
-    offset_state,
-    pseudorange_lines,
-    range_rate_lines,
+    lines_of,
+    weights_of,
 )
-from wayline_fusion.filter.ranging import RangingStates
-from wayline_fusion.filter.sight import Ground, Sight, ground_at, seen_from
+from wayline_fusion.filter.ranging import DRIFT_UNKNOWN_MPS, RangingFilter, RangingStates
+from wayline_fusion.filter.sight import Ground, ground_at
 from wayline_fusion.filter.states import States
 from wayline_fusion.intake.events import Ranges, parts_of
 
 S, R = States, RangingStates
-MILLISECOND_M = 299_792.458
+SURE_HEADING_RAD = math.radians(7.0)
+"""From there on the filter, which goes straight on from one place, does better than a fit."""
+UNSURE_HEADING_RAD = math.radians(20.0)
+"""Of a filter that satellites have locked out."""
 SAME_REFLECTIONS_S = 30.0
 SAME_REFLECTIONS_M = 15.0
+"""Reflections change over such a time at rest, and over such a way: an epoch tells as much anew."""
+STEPPED_STD_M = 100.0
+"""Of a clock that has stepped by what satellites among reflections say."""
+HEIGHT_ALONE_STD_M = 30.0
+"""Of a single epoch's."""
 
 
 class RangeEvidence(msgspec.Struct, frozen=True):
     """What earlier epochs have shown."""
 
-    plane: LocalPlane | None = None
-    """About which the track lies."""
     track: RangeTrack = RangeTrack()
+    is_settled: bool = False
+    """The heading has been sure once, and satellites have not spoken against it since."""
     used_ns: int = 0
     used_m: float = 0.0
-    systems: frozenset[str] = frozenset()
-    """Whose time is known."""
+    """When, and after how far a way, ranges corrected last."""
     rejected: Agreement | None = None
+    """Epochs most of whose ranges were refused."""
 
 
 class Satellites:
-    """Pseudoranges and range rates of one epoch."""
+    """Pseudoranges and range rates of one epoch, each judged by itself.
+
+    Starts: a fix by one epoch alone begins what fixes begin; with gyro and wheels the ranges of the
+    last two minutes, laid over the reckoned way, set place and heading until the heading is sure.
+    Goes on: each likely range and rate corrects, a reflected one alone is refused; those that are
+    rather too long count for less, and all count for as much as reflections have changed since.
+    Stops: no satellite is told of. Resets: when most are refused together, the clock has stepped;
+    if that is not it for `relock_at_once_s`, place and heading are doubted and laid out anew.
+    """
 
     def __init__(self) -> None:
         self.evidence = RangeEvidence()
 
     def take(self, estimate: Estimate, epoch: Ranges) -> Outcome:
-        self._remember(estimate, epoch)
-        if not estimate.located:
-            self._begin(estimate, epoch)
+        """Begin with an epoch where nothing is known, else correct with each of its satellites."""
+        is_new = self._hear(estimate, epoch)
+        if not estimate.located or estimate.situation.position_unconfirmed:
+            _begin(estimate, epoch)
+        if is_new and not self.evidence.is_settled:
+            self._lay_out(estimate, epoch)
         if estimate.located:
             self._correct(estimate, epoch)
         return UNUSED
@@ -61,74 +80,139 @@ class Satellites:
     def _keep(self, **changes: object) -> None:
         self.evidence = msgspec.structs.replace(self.evidence, **changes)
 
-    def _remember(self, estimate, epoch):
-        reckoned = estimate.reckoned
-        heard = Heard(epoch, complex(reckoned.east_m, reckoned.north_m), reckoned.biased_s)
-        self.now = heard
-        track = self.evidence.track.with_epoch(heard)
-        self._keep(track=track)
+    def _hear(self, estimate: Estimate, epoch: Ranges) -> bool:
+        """Remember an epoch for a fit; whether it tells anything new."""
+        if not estimate.way_reckoned(tells_speed=False):
+            self._keep(track=RangeTrack())
+            return False
+        before = self.evidence.track
+        self._keep(track=before.with_epoch(_heard(estimate, epoch)))
+        return self.evidence.track is not before
 
-    def _begin(self, estimate, epoch):
-        alone = fix_alone(epoch)
-        self.alone = alone
-        kalman = estimate.filter
-        if alone is not None:
-            fix, height = alone
-            kalman.reset_ranging(R.HEIGHT, height, 30.0)
-            for part in parts_of(fix):
-                estimate.apply(part)
-        place = estimate.geodetic()
-        if place is None:
+    def _lay_out(self, estimate: Estimate, epoch: Ranges) -> None:
+        """Set place and heading to where the ranges have the reckoned way."""
+        ground, kalman = _ground(estimate), estimate.filter
+        if ground is None:
             return
-        h0 = float(kalman.x[R.HEIGHT])
-        ground = ground_at(*place, h0)
-        fit = self.evidence.track.fit(self.now, ground, 0.0, math.radians(1.0))
-        self.fit = fit
-        if fit is None: return
-        if fit.turn_std_rad > math.radians(8.0): return
-        plane = estimate.situation.plane
-        x = kalman.x
-        e, n = float(x[S.EAST]) + fit.place_m.real, float(x[S.NORTH]) + fit.place_m.imag
-        heading = estimate.reckoned.heading_rad + fit.turn_rad
-        kalman.reset_reckoning((e, n, heading, fit.bias_radps), fit.covariance)
-        kalman.reset_ranging(R.HEIGHT, h0 + fit.height_m, 15.0)
-        estimate.know(heading_known=True, placed_ns=epoch.t_ns, accepted_fix_ns=epoch.t_ns)
-        self._keep(systems=frozenset())
+        bias = float(kalman.x[S.GYRO_BIAS]), kalman.std(S.GYRO_BIAS)
+        fit = self.evidence.track.fit(_heard(estimate, epoch), ground, *bias)
+        if fit is None or fit.turn_std_rad > math.radians(estimate.tuning.heading_start_std_deg):
+            return
+        _place(estimate, fit)
+        self._keep(is_settled=fit.turn_std_rad <= SURE_HEADING_RAD)
 
-    def _correct(self, estimate, epoch):
-        kalman, tuning = estimate.filter, estimate.tuning
-        ground = ground_at(*estimate.geodetic(), float(kalman.x[R.HEIGHT]))
-        sight = seen_from(ground, epoch.places_m, epoch.motions_mps)
-        slow = 1.9
-        lines = pseudorange_lines(kalman.x, epoch, sight, slow)
-        fresh = set(epoch.systems) - self.evidence.systems
-        if fresh:
-            for system in sorted(fresh, key=lambda s: s != "gps"):
-                self._set_time(estimate, epoch, lines, system)
-            self._keep(systems=self.evidence.systems | fresh)
-            lines = pseudorange_lines(kalman.x, epoch, sight, slow)
-        H = lines.H
-        expected = H @ kalman.P @ H.T
-        limit = threshold(1, tuning.gate_probability)
-        verdicts = judged(lines.y, expected + np.diag(lines.stds**2), limit)
-        for i, name in enumerate(epoch.names):
-            ok = bool(verdicts.is_accepted[i])
-            estimate.verdicts.append(verdict(name, epoch.t_ns, float(verdicts.off[i] ** 2), limit, reason=None if ok else TOO_FAR, accepted=ok))
-        kept = np.flatnonzero(verdicts.is_accepted)
-        if not len(kept): return
-        weights = one_sided(verdicts.off[kept], 1.0)
-        dt = (epoch.t_ns - self.evidence.used_ns) * 1e-9
-        dm = estimate.distance_m - self.evidence.used_m
-        news = 1.0 - math.exp(-dt / SAME_REFLECTIONS_S - dm / SAME_REFLECTIONS_M)
-        noise = lines.stds[kept]**2 / np.maximum(weights, 1e-4) / news
-        estimate.correct(Measurement("gps_raw", lines.y[kept], H[kept], np.diag(noise)))
-        self._keep(used_ns=epoch.t_ns, used_m=estimate.distance_m)
-        estimate.know(accepted_fix_ns=epoch.t_ns, ranged_ns=epoch.t_ns)
+    def _correct(self, estimate: Estimate, epoch: Ranges) -> None:
+        lines, found = self._judge(estimate, epoch)
+        limit = threshold(1, estimate.tuning.gate_probability)
+        for name, is_accepted, off in zip(lines.names, found.is_accepted, found.off, strict=True):
+            reason = None if is_accepted else TOO_FAR
+            nis = float(off**2)
+            estimate.verdicts.append(
+                verdict(name, epoch.t_ns, nis, limit, reason=reason, accepted=bool(is_accepted))
+            )
+        kept = found.is_accepted
+        ranged = kept & lines.is_range
+        if kept.any():
+            noise = np.diag(self._variances(estimate, lines, found)[kept])
+            estimate.correct(Measurement("gps_raw", lines.y[kept], lines.H[kept], noise))
+        if ranged.any():
+            self._keep(used_ns=epoch.t_ns, used_m=estimate.distance_m)
+            estimate.know(ranged_ns=epoch.t_ns)
+        # with the height known, as many as east, north and a clock for each system
+        if np.count_nonzero(ranged) >= 2 + len({epoch.systems[row] for row in lines.rows[ranged]}):
+            estimate.know(accepted_fix_ns=epoch.t_ns)
+        self._watch(estimate, epoch, lines, found)
 
-    def _set_time(self, estimate, epoch, lines, system):
-        kalman = estimate.filter
-        rows = np.array([s == system for s in epoch.systems])
-        state = offset_state(system) or R.CLOCK
-        y = lines.y[rows]
-        base = 0.0 if state == R.CLOCK else float(kalman.x[R.CLOCK])
-        kalman.reset_ranging(state, float(np.median(y)) - (0 if state == R.CLOCK else base) + (0 if state == R.CLOCK else 0), 30.0)
+    def _judge(self, estimate: Estimate, epoch: Ranges) -> tuple[Lines, Judged]:
+        """As they are; where the clock has stepped, after that."""
+        lines, found = _judged(estimate, epoch)
+        step_m = clock_step_m(lines, found)
+        if step_m is None:
+            return lines, found
+        kalman = _filter(estimate)
+        before = kalman.x, kalman.P
+        kalman.step_clock(step_m)
+        if step_m % MILLISECOND_M:
+            # no receiver's own correction: its crystal does something else now
+            kalman.reset_ranging(R.CLOCK, STEPPED_STD_M)
+            kalman.reset_ranging(R.CLOCK_DRIFT, DRIFT_UNKNOWN_MPS)
+        again = _judged(estimate, epoch)
+        if again[1].refused_share(again[0].is_range) > 0.5:
+            kalman.x, kalman.P = before
+            return lines, found
+        estimate.tell("gps_raw_clock", epoch.t_ns, f"the clock has stepped by {step_m:,.0f} m")
+        return again
+
+    def _variances(self, estimate: Estimate, lines: Lines, found: Judged) -> np.ndarray:
+        """What each counts for: too long ones for less, and none twice for one reflection."""
+        evidence = self.evidence
+        driven_m = estimate.distance_m - evidence.used_m
+        waited_s = (estimate.t_ns - evidence.used_ns) * 1e-9
+        new = 1.0 - math.exp(-waited_s / SAME_REFLECTIONS_S - driven_m / SAME_REFLECTIONS_M)
+        counted = weights_of(lines, found) * np.where(lines.is_range, new, 1.0)
+        return lines.stds**2 / np.maximum(counted, 1e-6)
+
+    def _watch(self, estimate: Estimate, epoch: Ranges, lines: Lines, found: Judged) -> None:
+        """Notice that satellites lock the filter out, and open it."""
+        if found.refused_share(lines.is_range) <= 0.5:
+            self._keep(rejected=None)
+            return
+        streak = rejected(self.evidence.rejected, epoch.t_ns)
+        self._keep(rejected=streak)
+        if lasted_s(streak, epoch.t_ns) < estimate.tuning.relock_at_once_s:
+            return
+        off_m = float(np.median(np.abs(lines.y[lines.is_range])))
+        estimate.filter.inflate_position(off_m)
+        estimate.filter.inflate_std(S.HEADING, UNSURE_HEADING_RAD)
+        estimate.tell("gps_raw", epoch.t_ns, "most satellites refused for long; place doubted")
+        self._keep(rejected=None, is_settled=False)
+
+
+def _heard(estimate: Estimate, epoch: Ranges) -> Heard:
+    reckoned = estimate.reckoned
+    return Heard(epoch, complex(reckoned.east_m, reckoned.north_m), reckoned.biased_s)
+
+
+def _ground(estimate: Estimate) -> Ground | None:
+    place_deg = estimate.geodetic()
+    if place_deg is None:
+        return None
+    return ground_at(*place_deg, float(estimate.filter.x[R.HEIGHT]))
+
+
+def _begin(estimate: Estimate, epoch: Ranges) -> None:
+    """Let a fix by this epoch alone go the way of any fix."""
+    alone = fix_alone(epoch)
+    if alone is None:
+        return
+    fix, height_m = alone
+    _filter(estimate).reset_ranging(R.HEIGHT, HEIGHT_ALONE_STD_M, height_m)
+    for part in parts_of(fix):
+        estimate.apply(part)
+
+
+def _place(estimate: Estimate, fit: RangeFit) -> None:
+    """Set what a fit tells; it is given about where the filter has the vehicle."""
+    kalman = _filter(estimate)
+    east_m = float(kalman.x[S.EAST]) + fit.place_m.real
+    north_m = float(kalman.x[S.NORTH]) + fit.place_m.imag
+    heading_rad = estimate.reckoned.heading_rad + fit.turn_rad
+    kalman.reset_reckoning((east_m, north_m, heading_rad, fit.bias_radps), fit.covariance)
+    kalman.reset_ranging(R.HEIGHT, fit.height_std_m, float(kalman.x[R.HEIGHT]) + fit.height_m)
+    estimate.know(heading_known=True, placed_ns=estimate.t_ns, accepted_fix_ns=estimate.t_ns)
+
+
+def _filter(estimate: Estimate) -> RangingFilter:
+    """The architecture has given it this one."""
+    kalman = estimate.filter
+    if not isinstance(kalman, RangingFilter):
+        raise TypeError("satellites need a filter with a clock")
+    return kalman
+
+
+def _judged(estimate: Estimate, epoch: Ranges) -> tuple[Lines, Judged]:
+    kalman, tuning = estimate.filter, estimate.tuning
+    lines = lines_of(kalman.x, epoch, _ground(estimate), tuning)  # noqa
+    covariance = kalman.expected(Measurement("gps_raw", lines.y, lines.H, np.empty(0)))
+    covariance[np.diag_indices(len(lines.y))] += lines.stds**2
+    return lines, judged(lines.y, covariance, threshold(1, tuning.gate_probability))

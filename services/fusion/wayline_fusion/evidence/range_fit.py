@@ -57,7 +57,7 @@ class RangeFit(NamedTuple):
     """Of the gyro, clockwise."""
     covariance: Floats
     """Of east, north, heading and bias."""
-    scatter: float
+    height_std_m: float
 
     @property
     def turn_std_rad(self) -> float:
@@ -166,7 +166,7 @@ def _solved(
         )
     )
     free = np.zeros(similar.shape[1])
-    solution, *_ = _rounds(lines, similar, free)
+    solution, _ = _rounds(lines, similar, free)
     turned = complex(solution[3], solution[4])
     turned /= abs(turned)
     # then it keeps its length about as it is, and the gyro's bias may bend it
@@ -188,7 +188,7 @@ def _solved(
         prior = np.zeros(rigid.shape[1])
         prior[4], prior[5] = SCALE_STD**-2, bias_std_radps**-2
         off_m = lines.off_m + east * placed.real + north * placed.imag
-        solution, covariance, scatter = _rounds(lines._replace(off_m=off_m), rigid, prior)
+        solution, covariance = _rounds(lines._replace(off_m=off_m), rigid, prior)
         turned *= cmath.exp(1j * solution[3])
     alike = max(len(lines.starts) / max(length_m / CORRELATED_M, 1.0), 1.0)
     kept = np.array([0, 1, 3, 5])
@@ -199,12 +199,12 @@ def _solved(
         -cmath.phase(turned),
         bias_radps + float(solution[5]),
         alike * covariance[np.ix_(kept, kept)] * np.outer(signs, signs),
-        scatter,
+        math.sqrt(alike * float(covariance[2, 2])),
     )
 
 
-def _rounds(lines: Lines, columns: Floats, prior: Floats) -> tuple[Floats, Floats, float]:
-    """Solution, covariance and scatter; `prior` is the information of each unknown about 0."""
+def _rounds(lines: Lines, columns: Floats, prior: Floats) -> tuple[Floats, Floats]:
+    """Solution and covariance; `prior` is the information of each unknown about 0."""
     weights = lines.stds_m**-2
     left_m = np.zeros(len(weights))
     for number, wide in enumerate((math.inf, *ROUNDS)):
@@ -223,6 +223,4 @@ def _rounds(lines: Lines, columns: Floats, prior: Floats) -> tuple[Floats, Float
         covariance = np.linalg.inv(normal)
         solution = covariance @ (free.T @ (weights * off_m))
         left_m = off_m - free @ solution
-    share = weights * lines.stds_m**2
-    scatter = math.sqrt(float(np.sum(weights * left_m**2) / np.sum(share)))
-    return solution, covariance, scatter
+    return solution, covariance

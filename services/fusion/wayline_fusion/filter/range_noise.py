@@ -26,3 +26,8 @@ def one_sided(off: Floats, wide: float) -> Floats:
     """
     long, short = off / (2.0 * wide), off / (3.0 * wide)
     return np.where(off > 0.0, (1.0 + long**2) ** -2, 1.0 / (1.0 + short**2))
+
+
+def two_sided(off: Floats) -> Floats:
+    """Weights, 0 to 1, of what is off by so many stds, to either side (Cauchy's)."""
+    return 1.0 / (1.0 + (off / 3.0) ** 2)

@@ -27,7 +27,8 @@ class RangingStates:
 
 R = RangingStates
 RANGING_SIZE = R.OFFSETS + len(OTHER_SYSTEMS)
-CLOCK_UNKNOWN_M = 1e6
+CLOCK_UNKNOWN_M = 3e5
+"""Receivers keep within a millisecond; whole ones more are told by their number."""
 DRIFT_UNKNOWN_MPS = 300.0
 """A crystal is off by a millionth."""
 HEIGHT_UNKNOWN_M = 500.0
@@ -87,8 +88,16 @@ class RangingFilter(HorizontalFilter):
         super().reset_motion()
         initial = self._initial_stds()
         for state in range(SIZE, RANGING_SIZE):
-            self.reset_ranging(state, 0.0, initial[state])
+            self.reset_ranging(state, initial[state], 0.0)
 
-    def reset_ranging(self, state: int, value: float, std: float) -> None:
-        """Set clock, drift, height or an offset, forgetting what it had to do with others."""
-        self._reset_value(state, value, std)
+    def step_clock(self, step_m: float) -> None:
+        """Set the clock forward by a step, as sure of it as before."""
+        self.x = self.x.copy()
+        self.x[R.CLOCK] += step_m
+
+    def reset_ranging(self, state: int, std: float, value: float | None = None) -> None:
+        """Trust clock, drift, height or an offset so much, and forget what others say of it."""
+        self.reset_std(state, std)
+        if value is not None:
+            self.x = self.x.copy()
+            self.x[state] = value

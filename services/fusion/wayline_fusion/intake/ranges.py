@@ -29,7 +29,7 @@ def ranges_of(epoch: GpsRaw) -> Ranges | None:
         return None
     return Ranges(
         epoch.t_ns,
-        tuple(f"gps_raw {LETTERS[each.system]}{each.prn}" for each in usable),
+        tuple(f"{LETTERS[each.system]}{each.prn}" for each in usable),
         tuple(each.system for each in usable),
         np.array([(each.x_m, each.y_m, each.z_m) for each in usable], dtype=np.float64),
         _column([each.pseudorange_m for each in usable])
