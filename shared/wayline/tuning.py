@@ -9,9 +9,7 @@ from wayline.strict import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
 Probability = Annotated[float, Meta(gt=0.0, lt=1.0)]
-ArchitectureName = Literal[
-    "loose", "measurement", "uncoupled", "gps_only", "gps_only_modified"
-]
+ArchitectureName = Literal["loose", "measurement", "uncoupled", "gps_only", "gps_only_modified"]
 
 VerticalSensor = Literal["gps", "barometer", "torque", "vehicle"]
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from wayline.errors import InputError
-from wayline.messages import GpsFix, GpsRaw
+from wayline.messages import GpsFix, GpsRaw, Message
 from wayline.received import Received
 
 HEAD_NS = 5_000_000_000
@@ -18,7 +18,7 @@ class Outage(NamedTuple):
     start_s: float
     length_s: float
     satellites: int = 0
-    """So many stay in sight: too few for a fix, and none but raw measurements tell of them."""
+    """So many stay in sight: too few for a fix, and only raw measurements tell of them."""
 
 
 def parse_outage(text: str) -> Outage:
@@ -51,10 +51,7 @@ def check_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> No
 
 
 def with_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> Iterator[Received]:
-    """Blank position, speed, course and altitude of every fix measured during an outage.
-
-    Of raw measurements those of as many satellites are left as the outage leaves.
-    """
+    """Blank what receivers measured during an outage: fixes, and satellites before any fix."""
     stream = iter(messages)
     head = _head(stream)
     if not head:
@@ -67,23 +64,20 @@ def with_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> Ite
     for received in itertools.chain(head, stream):
         message = received.message
         left = next((left for a, b, left in spans if a <= message.t_ns < b), None)
-        if left is not None and isinstance(message, GpsFix):
-            yield received._replace(message=blanked(message))
-        elif left is not None and isinstance(message, GpsRaw):
-            yield received._replace(message=masked(message, left))
-        else:
-            yield received
+        yield received if left is None else received._replace(message=blanked(message, left))
 
 
-def blanked(fix: GpsFix) -> GpsFix:
-    """The fix of a receiver that sees no satellites."""
-    return GpsFix(t_ns=fix.t_ns, valid=False, satellites=0)
+def blanked(message: Message, satellites: int = 0) -> Message:
+    """What a receiver says that sees so few satellites; of other sensors the message itself.
 
-
-def masked(epoch: GpsRaw, satellites: int) -> GpsRaw:
-    """An epoch of so many satellites: the first ones by system and number, wherever they stand."""
-    seen = sorted(epoch.satellites, key=lambda each: (each.system != "gps", each.system, each.prn))
-    return GpsRaw(t_ns=epoch.t_ns, satellites=tuple(seen[:satellites]))
+    Those left are the first by system and number, wherever they stand in the sky.
+    """
+    if isinstance(message, GpsFix):
+        return GpsFix(t_ns=message.t_ns, valid=False, satellites=0)
+    if isinstance(message, GpsRaw):
+        seen = sorted(message.satellites, key=lambda each: (each.system != "gps", each.prn))
+        return GpsRaw(t_ns=message.t_ns, satellites=tuple(seen[:satellites]))
+    return message
 
 
 def _head(stream: Iterator[Received]) -> list[Received]:

@@ -44,9 +44,7 @@ def driven(
     motion: Motion, receiver: Receiver, length_s: float = LENGTH_S
 ) -> tuple[list[Truth], list[Message]]:
     truths = truth_of(motion, length_s)
-    return truths, outputs_of(
-        with_epochs(sensed(motion, truths), epochs_of(truths, receiver))
-    )
+    return truths, outputs_of(with_epochs(sensed(motion, truths), epochs_of(truths, receiver)))
 
 
 def verdicts_of(outputs: list[Message]) -> list[Verdict]:
@@ -101,7 +99,9 @@ def test_a_reflected_satellite_is_refused_alone() -> None:
     clean = list(epochs_of(truths, receiver))
     epochs = [*clean[:80], *reflected[80:]]
     outputs = outputs_of(with_epochs(sensed(winding, truths), epochs))
-    refused = {each.sensor for each in verdicts_of(outputs) if not each.accepted and each.t_ns >= at(80)}
+    refused = {
+        each.sensor for each in verdicts_of(outputs) if not each.accepted and each.t_ns >= at(80)
+    }
     assert refused == {f"gps_raw G{prn}"}
     assert worst_m(outputs, truths, 60.0) < 3.0
 

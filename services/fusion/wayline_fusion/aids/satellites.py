@@ -212,7 +212,7 @@ def _filter(estimate: Estimate) -> RangingFilter:
 
 def _judged(estimate: Estimate, epoch: Ranges) -> tuple[Lines, Judged]:
     kalman, tuning = estimate.filter, estimate.tuning
-    lines = lines_of(kalman.x, epoch, _ground(estimate), tuning)  # noqa
+    lines = lines_of(kalman.x, epoch, _ground(estimate), tuning)
     covariance = kalman.expected(Measurement("gps_raw", lines.y, lines.H, np.empty(0)))
     covariance[np.diag_indices(len(lines.y))] += lines.stds**2
     return lines, judged(lines.y, covariance, threshold(1, tuning.gate_probability))

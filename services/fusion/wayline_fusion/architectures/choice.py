@@ -43,9 +43,7 @@ def _keeping(make: Callable[[Tuning], Loose]) -> Build:
     def build(tuning: Tuning, saved: Saved | None) -> Chosen:
         architecture = make(tuning)
         vertical = _vertical(tuning, architecture)
-        return Chosen(
-            architecture, vertical, EstimateKeeper(architecture, vertical, saved, tuning)
-        )
+        return Chosen(architecture, vertical, EstimateKeeper(architecture, vertical, saved, tuning))
 
     return build
 

@@ -61,7 +61,10 @@ def lines_of(x: Floats, epoch: Ranges, ground: Ground, tuning: Tuning) -> Lines:
     y_m, H_m, stds_m = _ranges(x, epoch, sight, tuning)
     y_mps, H_mps, stds_mps = _range_rates(x, epoch, sight, rows, tuning)
     return Lines(
-        (*(f"gps_raw {name}" for name in epoch.names), *(f"gps_raw_rate {epoch.names[row]}" for row in rows)),
+        (
+            *(f"gps_raw {name}" for name in epoch.names),
+            *(f"gps_raw_rate {epoch.names[row]}" for row in rows),
+        ),
         np.concatenate((np.arange(len(y_m)), rows)),
         np.arange(len(y_m) + len(rows)) < len(y_m),
         np.concatenate((y_m, y_mps)),
@@ -75,7 +78,9 @@ def offset_state(system: str) -> int | None:
     return R.OFFSETS + OTHER_SYSTEMS.index(system) if system in OTHER_SYSTEMS else None
 
 
-def _ranges(x: Floats, epoch: Ranges, sight: Sight, tuning: Tuning) -> tuple[Floats, Floats, Floats]:
+def _ranges(
+    x: Floats, epoch: Ranges, sight: Sight, tuning: Tuning
+) -> tuple[Floats, Floats, Floats]:
     """Innovations, matrix and stds of ranges, from the place of LATENCY ago, with the clock.
 
     As of fixes, a part of the error is common to all satellites and varies slowly.

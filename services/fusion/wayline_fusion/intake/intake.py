@@ -27,8 +27,8 @@ from wayline_fusion.intake.events import (
     parts_of,
 )
 from wayline_fusion.intake.fix_velocity import FixVelocity
-from wayline_fusion.intake.ranges import ranges_of
 from wayline_fusion.intake.plausibility import Plausibility, within_reason
+from wayline_fusion.intake.ranges import ranges_of
 from wayline_fusion.intake.told import Told
 from wayline_fusion.intake.warmth import Warmth
 
