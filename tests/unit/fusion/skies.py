@@ -69,15 +69,19 @@ def epochs_of(
 
 
 def epoch_of(truth: Truth, receiver: Receiver, rng: np.random.Generator) -> GpsRaw:
-    lat_deg, lon_deg = ORIGIN.to_geodetic(truth.east_m, truth.north_m)
-    here_m = np.array(TO_ECEF.transform(lon_deg, lat_deg, HEIGHT_M))
-    motion_mps = _motion(truth, lat_deg, lon_deg)
     seen = (
-        _seen(system, prn, truth.seconds, here_m, motion_mps, receiver, rng)
+        _seen(system, prn, truth, receiver, rng)
         for system in receiver.offsets_m
         for prn in range(1, 25)
     )
     return GpsRaw(t_ns=at(truth.seconds), satellites=tuple(each for each in seen if each))
+
+
+def _place(truth: Truth) -> tuple[Vector, Vector]:
+    """Place and motion of the antenna, Earth-fixed."""
+    lat_deg, lon_deg = ORIGIN.to_geodetic(truth.east_m, truth.north_m)
+    here_m = np.array(TO_ECEF.transform(lon_deg, lat_deg, HEIGHT_M))
+    return here_m, _motion(truth, lat_deg, lon_deg)
 
 
 def _motion(truth: Truth, lat_deg: float, lon_deg: float) -> Vector:
@@ -91,14 +95,10 @@ def _motion(truth: Truth, lat_deg: float, lon_deg: float) -> Vector:
 
 
 def _seen(
-    system: str,
-    prn: int,
-    seconds: float,
-    here_m: Vector,
-    motion_mps: Vector,
-    receiver: Receiver,
-    rng: np.random.Generator,
+    system: str, prn: int, truth: Truth, receiver: Receiver, rng: np.random.Generator
 ) -> RawSatellite | None:
+    seconds = truth.seconds
+    here_m, motion_mps = _place(truth)
     travelled_s = 0.075
     for _ in range(4):
         place_m, going_mps = orbiting(system, prn, seconds - travelled_s)

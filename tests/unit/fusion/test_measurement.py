@@ -21,7 +21,7 @@ from unit.fusion.drives import (
     winding,
 )
 from unit.fusion.skies import Receiver, epochs_of, with_epochs
-from wayline.messages import FusionStatus, GpsFix, GpsRaw, Message, Pose, Verdict
+from wayline.messages import FusionStatus, GpsFix, GpsRaw, Gyro, Message, Pose, Verdict
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
 
@@ -30,9 +30,9 @@ LENGTH_S = 120.0
 MILLISECOND_M = 299_792.458
 
 
-def sensed(motion: Motion, truths: list[Truth], sensors: Sensors = Sensors()) -> list[Message]:
+def sensed(motion: Motion, truths: list[Truth]) -> list[Message]:
     """What gyro and wheels tell, without a fix."""
-    messages = messages_of(motion, truths, sensors)
+    messages = messages_of(motion, truths, Sensors())
     return [message for message in messages if not isinstance(message, GpsFix)]
 
 
@@ -85,7 +85,7 @@ def test_raw_measurements_alone_place_a_vehicle(motion: Motion, has_doppler: boo
 def test_it_is_as_sure_as_it_is_right() -> None:
     truths, outputs = driven(winding, Receiver(range_std_m=3.0), 200.0)
     inside = [
-        error_m(pose, truths) <= 2.0 * math.hypot(pose.east_std_m, pose.north_std_m)
+        error_m(pose, truths) <= 2.0 * math.hypot(pose.east_std_m or 0.0, pose.north_std_m or 0.0)
         for pose in located_after(outputs, 60.0)
     ]
     assert np.mean(inside) > 0.9
@@ -151,8 +151,9 @@ def test_few_satellites_still_help(satellites: int, share: float) -> None:
 
 def drifting(message: Message) -> Message:
     """The gyro's bias is another one from 120 s on."""
-    if getattr(message, "yaw_rate_degps", None) is None or message.t_ns < at(120):
+    if not isinstance(message, Gyro) or message.t_ns < at(120):
         return message
+    assert message.yaw_rate_degps is not None
     return msgspec.structs.replace(message, yaw_rate_degps=message.yaw_rate_degps + 0.05)
 
 
@@ -162,7 +163,7 @@ def test_fixes_beside_their_own_ranges_count_nothing() -> None:
     epochs = list(epochs_of(truths, Receiver()))
     messages = list(messages_of(winding, truths, Sensors()))
     shifted = [
-        msgspec.structs.replace(each, lat_deg=each.lat_deg + 30.0 / 111_000.0)
+        msgspec.structs.replace(each, lat_deg=(each.lat_deg or 0.0) + 30.0 / 111_000.0)
         if isinstance(each, GpsFix) and each.t_ns >= at(40)
         else each
         for each in messages

@@ -7,21 +7,21 @@ import numpy as np
 
 from wayline.agreement import Agreement, lasted_s, rejected
 from wayline.likelihood import Measurement, threshold
+from wayline.satellites.sight import Ground, ground_at
+from wayline.snooping import Judged, judged
 from wayline_fusion.evidence.range_fit import Heard, RangeFit, RangeTrack
 from wayline_fusion.evidence.single_epoch import fix_alone
 from wayline_fusion.filter.estimate import Estimate
-from wayline_fusion.filter.gate import TOO_FAR, UNUSED, Outcome, verdict
+from wayline_fusion.filter.gate import UNUSED, Outcome
 from wayline_fusion.filter.ranges import (
     MILLISECOND_M,
-    Judged,
     Lines,
     clock_step_m,
-    judged,
     lines_of,
+    verdicts_of,
     weights_of,
 )
 from wayline_fusion.filter.ranging import DRIFT_UNKNOWN_MPS, RangingFilter, RangingStates
-from wayline_fusion.filter.sight import Ground, ground_at
 from wayline_fusion.filter.states import States
 from wayline_fusion.intake.events import Ranges, parts_of
 
@@ -68,48 +68,42 @@ class Satellites:
 
     def take(self, estimate: Estimate, epoch: Ranges) -> Outcome:
         """Begin with an epoch where nothing is known, else correct with each of its satellites."""
-        is_new = self._hear(estimate, epoch)
         if not estimate.located or estimate.situation.position_unconfirmed:
             _begin(estimate, epoch)
-        if is_new and not self.evidence.is_settled:
-            self._lay_out(estimate, epoch)
-        if estimate.located:
-            self._correct(estimate, epoch)
+        if not self.evidence.is_settled:
+            self._settle(estimate, epoch)
+        ground = _ground(estimate)
+        if ground is not None and estimate.located:
+            self._correct(estimate, epoch, ground)
         return UNUSED
 
     def _keep(self, **changes: object) -> None:
         self.evidence = msgspec.structs.replace(self.evidence, **changes)
 
-    def _hear(self, estimate: Estimate, epoch: Ranges) -> bool:
-        """Remember an epoch for a fit; whether it tells anything new."""
-        if not estimate.way_reckoned(tells_speed=False):
+    def _settle(self, estimate: Estimate, epoch: Ranges) -> None:
+        """Remember an epoch, and set place and heading to where all have the reckoned way."""
+        ground = _ground(estimate)
+        if ground is None or not estimate.way_reckoned(tells_speed=False):
             self._keep(track=RangeTrack())
-            return False
-        before = self.evidence.track
-        self._keep(track=before.with_epoch(_heard(estimate, epoch)))
-        return self.evidence.track is not before
-
-    def _lay_out(self, estimate: Estimate, epoch: Ranges) -> None:
-        """Set place and heading to where the ranges have the reckoned way."""
-        ground, kalman = _ground(estimate), estimate.filter
-        if ground is None:
             return
+        before, heard = self.evidence.track, _heard(estimate, epoch)
+        track = before.with_epoch(heard)
+        if track is before:
+            return
+        self._keep(track=track)
+        kalman, sure_deg = estimate.filter, estimate.tuning.heading_start_std_deg
         bias = float(kalman.x[S.GYRO_BIAS]), kalman.std(S.GYRO_BIAS)
-        fit = self.evidence.track.fit(_heard(estimate, epoch), ground, *bias)
-        if fit is None or fit.turn_std_rad > math.radians(estimate.tuning.heading_start_std_deg):
+        fit = track.fit(heard, ground, *bias)
+        if fit is None or fit.turn_std_rad > math.radians(sure_deg):
             return
         _place(estimate, fit)
-        self._keep(is_settled=fit.turn_std_rad <= SURE_HEADING_RAD)
+        if fit.turn_std_rad <= SURE_HEADING_RAD:
+            self._keep(is_settled=True, track=RangeTrack())
 
-    def _correct(self, estimate: Estimate, epoch: Ranges) -> None:
-        lines, found = self._judge(estimate, epoch)
+    def _correct(self, estimate: Estimate, epoch: Ranges, ground: Ground) -> None:
+        lines, found = self._judge(estimate, epoch, ground)
         limit = threshold(1, estimate.tuning.gate_probability)
-        for name, is_accepted, off in zip(lines.names, found.is_accepted, found.off, strict=True):
-            reason = None if is_accepted else TOO_FAR
-            nis = float(off**2)
-            estimate.verdicts.append(
-                verdict(name, epoch.t_ns, nis, limit, reason=reason, accepted=bool(is_accepted))
-            )
+        estimate.verdicts += verdicts_of(lines, found, epoch.t_ns, limit)
         kept = found.is_accepted
         ranged = kept & lines.is_range
         if kept.any():
@@ -123,9 +117,9 @@ class Satellites:
             estimate.know(accepted_fix_ns=epoch.t_ns)
         self._watch(estimate, epoch, lines, found)
 
-    def _judge(self, estimate: Estimate, epoch: Ranges) -> tuple[Lines, Judged]:
+    def _judge(self, estimate: Estimate, epoch: Ranges, ground: Ground) -> tuple[Lines, Judged]:
         """As they are; where the clock has stepped, after that."""
-        lines, found = _judged(estimate, epoch)
+        lines, found = _judged(estimate, epoch, ground)
         step_m = clock_step_m(lines, found)
         if step_m is None:
             return lines, found
@@ -136,7 +130,7 @@ class Satellites:
             # no receiver's own correction: its crystal does something else now
             kalman.reset_ranging(R.CLOCK, STEPPED_STD_M)
             kalman.reset_ranging(R.CLOCK_DRIFT, DRIFT_UNKNOWN_MPS)
-        again = _judged(estimate, epoch)
+        again = _judged(estimate, epoch, ground)
         if again[1].refused_share(again[0].is_range) > 0.5:
             kalman.x, kalman.P = before
             return lines, found
@@ -210,9 +204,10 @@ def _filter(estimate: Estimate) -> RangingFilter:
     return kalman
 
 
-def _judged(estimate: Estimate, epoch: Ranges) -> tuple[Lines, Judged]:
+def _judged(estimate: Estimate, epoch: Ranges, ground: Ground) -> tuple[Lines, Judged]:
     kalman, tuning = estimate.filter, estimate.tuning
-    lines = lines_of(kalman.x, epoch, _ground(estimate), tuning)
+    turn_radps = estimate.gyro.rate_radps(epoch.t_ns) or 0.0
+    lines = lines_of(kalman.x, epoch, ground, turn_radps, tuning)
     covariance = kalman.expected(Measurement("gps_raw", lines.y, lines.H, np.empty(0)))
     covariance[np.diag_indices(len(lines.y))] += lines.stds**2
     return lines, judged(lines.y, covariance, threshold(1, tuning.gate_probability))

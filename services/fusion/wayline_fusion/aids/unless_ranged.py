@@ -15,16 +15,13 @@ class UnlessRanged:
 
     def __init__(self, aid: Aid) -> None:
         self._aid = aid
-
-    @property
-    def evidence(self) -> Any:
-        """That of the other aid."""
-        return self._aid.evidence
-
-    @evidence.setter
-    def evidence(self, evidence: Any) -> None:
-        self._aid.evidence = evidence
+        self.evidence = aid.evidence
 
     def take(self, estimate: Estimate, event: Any) -> Outcome:
         """Pass an event of a fix on, where nothing better tells."""
-        return UNUSED if estimate.ranged else self._aid.take(estimate, event)
+        if estimate.ranged:
+            return UNUSED
+        self._aid.evidence = self.evidence
+        outcome = self._aid.take(estimate, event)
+        self.evidence = self._aid.evidence
+        return outcome

@@ -16,8 +16,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from wayline_fusion.filter.range_noise import one_sided, range_stds_m
-from wayline_fusion.filter.sight import Ground, seen_from
+from wayline.satellites.range_noise import one_sided, range_stds_m
+from wayline.satellites.sight import Ground, seen_from
 from wayline_fusion.intake.events import Ranges
 
 Floats = NDArray[np.float64]
@@ -28,9 +28,14 @@ APART_NS = 1_000_000_000
 SPAN_NS = 120_000_000_000
 SEEN_MAX = 120
 FITTED_MIN = 8
+SPREAD_MIN_M = 15.0
+"""A way whose places are no farther from their middle has no direction."""
 ROUNDS = (8.0, 4.0, 2.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 """How much more than in the end each round of weighing bears."""
+TURNS = 4
+"""Rounds of turning the way; each leaves the square of what was wrong."""
 SCALE_STD = 0.03
+"""Of the wheels."""
 CORRELATED_M = 15.0
 """A reflection lasts so long a way."""
 
@@ -51,13 +56,13 @@ class RangeFit(NamedTuple):
     """Of the vehicle now, east + i north of the ground that was given."""
     height_m: float
     """Above that ground."""
+    height_std_m: float
     turn_rad: float
     """From headings as reckoned now to true ones, clockwise."""
     bias_radps: float
     """Of the gyro, clockwise."""
     covariance: Floats
     """Of east, north, heading and bias."""
-    height_std_m: float
 
     @property
     def turn_std_rad(self) -> float:
@@ -88,10 +93,23 @@ class RangeTrack(msgspec.Struct, frozen=True):
         if len(self.heard) < FITTED_MIN:
             return None
         way = _unbent(self.heard, now, bias_radps)
-        if float(np.mean(np.abs(way - way.mean()) ** 2)) < (5 * APART_M) ** 2:
+        if float(np.mean(np.abs(way - way.mean()) ** 2)) < SPREAD_MIN_M**2:
             return None
         lines = _lines(self.heard, way, ground, now)
-        return _solved(lines, bias_radps, bias_std_radps, float(np.ptp(np.abs(way))))
+        turned, (solution, covariance) = _rigid(lines, _turn_of(lines), bias_std_radps)
+        # so many epochs have the same reflections
+        alike = max(len(way) * CORRELATED_M / max(float(np.ptp(np.abs(way))), CORRELATED_M), 1.0)
+        told = alike * covariance
+        # complex angles are counter-clockwise from east, headings clockwise from north
+        of_reckoning, signs = [0, 1, 3, 4], np.array([1.0, 1.0, -1.0, 1.0])
+        return RangeFit(
+            complex(solution[0], solution[1]),
+            float(solution[2]),
+            math.sqrt(float(told[2, 2])),
+            -cmath.phase(turned),
+            bias_radps + float(solution[4]),
+            told[np.ix_(of_reckoning, of_reckoning)] * np.outer(signs, signs),
+        )
 
 
 class Lines(NamedTuple):
@@ -101,17 +119,32 @@ class Lines(NamedTuple):
     """Measured less geometric, from the ground given."""
     stds_m: Floats
     directions: Floats
-    way_m: NDArray[np.complex128]
-    """From where the vehicle is now to where it was."""
-    bent_s: NDArray[np.complex128]
-    """What a turn of the way by 1 rad/s would move it by, counter-clockwise, unturned."""
+    """East, north and up; shape (n, 3)."""
     others: Floats
     """A column for each system but the first one; shape (n, systems - 1)."""
+    way: NDArray[np.complex128]
+    """Where the vehicle was, from where it is now, as reckoned."""
+    bent: NDArray[np.complex128]
+    """What turning all of it by 1 rad/s, counter-clockwise, would move that by."""
     starts: NDArray[np.int64]
     """Where each epoch's rows begin."""
 
+    def by_place(self, moves: NDArray[np.complex128]) -> Floats:
+        """How much longer each range becomes when its place moves east + i north."""
+        east, north, _ = self.directions.T
+        return np.asarray(-(east * moves.real + north * moves.imag))
 
-def _lines(heard: Sequence[Heard], way: NDArray, ground: Ground, now: Heard) -> Lines:
+    def centred(self, values: Floats, weights: Floats) -> Floats:
+        """Values, shape (n, columns), without each epoch's mean: whatever its clock says."""
+        total = np.add.reduceat(weights, self.starts)
+        means = np.add.reduceat(weights[:, None] * values, self.starts) / total[:, None]
+        counts = np.diff(np.append(self.starts, len(weights)))
+        return np.asarray(values - np.repeat(means, counts, axis=0))
+
+
+def _lines(
+    heard: Sequence[Heard], way: NDArray[np.complex128], ground: Ground, now: Heard
+) -> Lines:
     epochs = [each.ranges for each in heard]
     counts = [len(each.names) for each in epochs]
     sight = seen_from(
@@ -121,106 +154,93 @@ def _lines(heard: Sequence[Heard], way: NDArray, ground: Ground, now: Heard) -> 
     )
     systems = np.concatenate([each.systems for each in epochs])
     others = [systems == name for name in sorted(set(systems))[1:]]
-    biased_s = np.array([each.biased_s for each in heard]) - now.biased_s
-    steps = np.diff(np.append(way, 0.0))
-    # a turn per second that ended now has turned an earlier step by so much the other way
-    bent = -np.cumsum((steps * 1j * biased_s)[::-1])[::-1]
     claimed_m = np.concatenate([each.stds_m for each in epochs])
     cn0_dbhz = np.concatenate([each.cn0_dbhz for each in epochs])
     return Lines(
         np.concatenate([each.pseudoranges_m for each in epochs]) - sight.ranges_m,
         range_stds_m(claimed_m, sight.directions[:, 2], cn0_dbhz),
         sight.directions,
-        np.repeat(way, counts),
-        np.repeat(bent, counts),
         np.array(others, dtype=np.float64).reshape(len(others), -1).T,
+        np.repeat(way, counts),
+        np.repeat(_bent(heard, now, way), counts),
         np.cumsum([0, *counts[:-1]]),
     )
 
 
 def _unbent(heard: Sequence[Heard], now: Heard, bias_radps: float) -> NDArray[np.complex128]:
     """The reckoned way without the gyro's bias, as seen from where it has come now."""
-    seen = (*heard, now)
-    way = np.array([each.reckoned_m for each in seen])
-    biased_s = np.array([each.biased_s for each in seen])
-    middles_s = 0.5 * (biased_s[1:] + biased_s[:-1]) - biased_s[-1]
+    way = np.array([each.reckoned_m for each in (*heard, now)])
     # headings are clockwise, complex angles are not: a bias taken off turns it the other way
-    steps = np.diff(way) * np.exp(1j * bias_radps * middles_s)
-    return -np.cumsum(steps[::-1])[::-1]
+    steps = np.diff(way) * np.exp(1j * bias_radps * _middles_s(heard, now))
+    return np.asarray(-np.cumsum(steps[::-1])[::-1])
 
 
-def _solved(
-    lines: Lines, bias_radps: float, bias_std_radps: float, length_m: float
-) -> RangeFit | None:
-    east, north, up = lines.directions.T
-    way = lines.way_m
-    # first the way may be turned and stretched as it likes
-    similar = np.column_stack(
-        (
-            -east,
-            -north,
-            -up,
-            -(east * way.real + north * way.imag),
-            east * way.imag - north * way.real,
-            lines.others,
-        )
-    )
-    free = np.zeros(similar.shape[1])
-    solution, _ = _rounds(lines, similar, free)
+def _bent(
+    heard: Sequence[Heard], now: Heard, way: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    steps = np.diff(np.append(way, 0.0))
+    return np.asarray(-np.cumsum((1j * _middles_s(heard, now) * steps)[::-1])[::-1])
+
+
+def _middles_s(heard: Sequence[Heard], now: Heard) -> Floats:
+    """Of the steps of the way, for how long a bias has turned them, from now on back."""
+    biased_s = np.array([each.biased_s for each in (*heard, now)])
+    return np.asarray(0.5 * (biased_s[1:] + biased_s[:-1]) - biased_s[-1])
+
+
+def _turn_of(lines: Lines) -> complex:
+    """From the reckoned way to the true one, the way stretched as it likes: so it is linear."""
+    moves = np.column_stack((_by_shift(lines), lines.by_place(lines.way)))
+    across = lines.by_place(1j * lines.way)
+    columns = np.column_stack((moves, across, lines.others))
+    solution = _solved(lines, columns, np.zeros(columns.shape[1])).solution
     turned = complex(solution[3], solution[4])
-    turned /= abs(turned)
-    # then it keeps its length about as it is, and the gyro's bias may bend it
-    for _ in range(4):
-        placed = turned * way
-        moved = 1j * placed
-        bent = turned * lines.bent_s
-        rigid = np.column_stack(
+    return turned / abs(turned)
+
+
+def _by_shift(lines: Lines) -> Floats:
+    """What 1 m to the east, to the north and up makes of each range."""
+    return -lines.directions
+
+
+def _rigid(lines: Lines, turned: complex, bias_std_radps: float) -> tuple[complex, "Solved"]:
+    """The turn again, and the rest, with the way about as long as reckoned and a gyro's bias."""
+    for _ in range(TURNS):
+        placed = turned * lines.way
+        columns = np.column_stack(
             (
-                -east,
-                -north,
-                -up,
-                -(east * moved.real + north * moved.imag),
-                -(east * placed.real + north * placed.imag),
-                -(east * bent.real + north * bent.imag),
+                _by_shift(lines),
+                lines.by_place(1j * placed),
+                lines.by_place(turned * lines.bent),
+                lines.by_place(placed),
                 lines.others,
             )
         )
-        prior = np.zeros(rigid.shape[1])
-        prior[4], prior[5] = SCALE_STD**-2, bias_std_radps**-2
-        off_m = lines.off_m + east * placed.real + north * placed.imag
-        solution, covariance = _rounds(lines._replace(off_m=off_m), rigid, prior)
-        turned *= cmath.exp(1j * solution[3])
-    alike = max(len(lines.starts) / max(length_m / CORRELATED_M, 1.0), 1.0)
-    kept = np.array([0, 1, 3, 5])
-    signs = np.array([1.0, 1.0, -1.0, 1.0])
-    return RangeFit(
-        complex(solution[0], solution[1]),
-        float(solution[2]),
-        -cmath.phase(turned),
-        bias_radps + float(solution[5]),
-        alike * covariance[np.ix_(kept, kept)] * np.outer(signs, signs),
-        math.sqrt(alike * float(covariance[2, 2])),
-    )
+        prior = np.zeros(columns.shape[1])
+        prior[4], prior[5] = bias_std_radps**-2, SCALE_STD**-2
+        left = lines._replace(off_m=lines.off_m - lines.by_place(placed))
+        solved = _solved(left, columns, prior)
+        turned *= cmath.exp(1j * solved.solution[3])
+    return turned, solved
 
 
-def _rounds(lines: Lines, columns: Floats, prior: Floats) -> tuple[Floats, Floats]:
-    """Solution and covariance; `prior` is the information of each unknown about 0."""
+class Solved(NamedTuple):
+    """Of a weighed least-squares problem."""
+
+    solution: Floats
+    covariance: Floats
+
+
+def _solved(lines: Lines, columns: Floats, prior: Floats) -> Solved:
+    """Reflections weighed down round by round; `prior` is the information of each unknown at 0."""
     weights = lines.stds_m**-2
-    left_m = np.zeros(len(weights))
-    for number, wide in enumerate((math.inf, *ROUNDS)):
-        if number:
-            weights = one_sided(left_m / lines.stds_m, wide) * lines.stds_m**-2
-        total = np.add.reduceat(weights, lines.starts)
-        counts = np.diff(np.append(lines.starts, len(weights)))
-
-        def centred(values: Floats) -> Floats:
-            means = np.add.reduceat(weights * values, lines.starts) / total
-            return values - np.repeat(means, counts)
-
-        free = np.column_stack([centred(column) for column in columns.T])
-        off_m = centred(lines.off_m)
-        normal = free.T @ (weights[:, None] * free) + np.diag(prior)
-        covariance = np.linalg.inv(normal)
-        solution = covariance @ (free.T @ (weights * off_m))
-        left_m = off_m - free @ solution
-    return solution, covariance
+    for wide in (*ROUNDS, None):
+        free = lines.centred(columns, weights)
+        off_m = lines.centred(lines.off_m[:, None], weights)[:, 0]
+        weighed = weights[:, None] * free
+        covariance = np.linalg.inv(free.T @ weighed + np.diag(prior))
+        solution = covariance @ (weighed.T @ off_m)
+        if wide is not None:
+            off = (off_m - free @ solution) / lines.stds_m
+            weights = one_sided(off, wide) * lines.stds_m**-2
+    return Solved(np.asarray(solution), np.asarray(covariance))

@@ -9,8 +9,8 @@ import math
 import numpy as np
 from pyproj import Transformer
 
-from wayline_fusion.filter.range_noise import one_sided, range_stds_m
-from wayline_fusion.filter.sight import Ground, Sight, ground_at, seen_from
+from wayline.satellites.range_noise import one_sided, range_stds_m
+from wayline.satellites.sight import Ground, Sight, ground_at, seen_from
 from wayline_fusion.filter.states import Floats
 from wayline_fusion.intake.events import Fix, Ranges
 
@@ -22,7 +22,7 @@ EARTH_M = (5e6, 8e6)
 """From its centre: no vehicle is anywhere else."""
 RATE_STD_MPS = 0.3
 """Floor of a range rate's std among reflections."""
-CREDIT_MIN = 9.0
+STD_MIN_M = 9.0
 """Reflections that agree displace a fix by more than its own ranges tell, m."""
 
 
@@ -35,7 +35,8 @@ def fix_alone(epoch: Ranges) -> tuple[Fix, float] | None:
     if solved is None:
         return None
     place_m, weights, std_m = solved
-    lon_deg, lat_deg, height_m = TO_GEODETIC.transform(*place_m)
+    x_m, y_m, z_m = place_m.tolist()
+    lon_deg, lat_deg, height_m = TO_GEODETIC.transform(x_m, y_m, z_m)
     ground = ground_at(lat_deg, lon_deg, height_m)
     sight = seen_from(ground, epoch.places_m, epoch.motions_mps)
     fix = Fix(epoch.t_ns, lat_deg, lon_deg, std_m, *_velocity(epoch, sight, weights))
@@ -44,7 +45,8 @@ def fix_alone(epoch: Ranges) -> tuple[Fix, float] | None:
 
 def _columns(systems: tuple[str, ...]) -> Floats:
     """One for each system's clock."""
-    return np.array([[each == name for name in sorted(set(systems))] for each in systems], float)
+    known = sorted(set(systems))
+    return np.array([[each == name for name in known] for each in systems], dtype=np.float64)
 
 
 def _placed(epoch: Ranges, systems: Floats) -> tuple[Floats, Floats, float] | None:
@@ -68,7 +70,11 @@ def _placed(epoch: Ranges, systems: Floats) -> tuple[Floats, Floats, float] | No
             left_m = off_m - columns @ solution
             weights = one_sided(left_m / stds_m, 2.0) / stds_m**2
     covariance = np.linalg.inv(normal)[:3, :3]
-    return place_m, weights, math.hypot(CREDIT_MIN, math.sqrt(float(np.trace(covariance))))
+    # residuals larger than the stds say that the place is as much worse
+    free = max(len(weights) - columns.shape[1], 1)
+    scatter = max(math.sqrt(float(np.sum(weights * left_m**2)) / free), 1.0)
+    std_m = scatter * math.sqrt(float(np.trace(covariance)))
+    return place_m, weights, math.hypot(STD_MIN_M, std_m)
 
 
 def _velocity(

@@ -1,9 +1,4 @@
-"""Pure: what pseudoranges and range rates measure of the state, linearised at it, and their judging.
-
-Each is judged by what the filter and all others of its epoch say of it: with S the covariance of
-the innovations y, the i-th lies (S^-1 y)_i / (S^-1)_ii from there, with a variance of 1 / (S^-1)_ii
-(data snooping; W. Baarda, A testing procedure for use in geodetic networks, 1968).
-"""
+"""Pure: what pseudoranges and range rates measure of the state, linearised at it."""
 
 import math
 from typing import NamedTuple
@@ -11,10 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wayline.messages import Verdict
+from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
+from wayline.satellites.range_noise import one_sided, range_stds_m, two_sided
+from wayline.satellites.sight import Ground, Sight, seen_from
+from wayline.snooping import Judged
 from wayline.tuning import Tuning
-from wayline_fusion.filter.range_noise import one_sided, range_stds_m, two_sided
+from wayline_fusion.filter.gate import TOO_FAR
 from wayline_fusion.filter.ranging import OTHER_SYSTEMS, RangingStates
-from wayline_fusion.filter.sight import SPEED_OF_LIGHT_MPS, Ground, Sight, seen_from
 from wayline_fusion.filter.states import Floats, States
 from wayline_fusion.intake.events import Ranges
 
@@ -41,36 +40,32 @@ class Lines(NamedTuple):
     stds: Floats
 
 
-class Judged(NamedTuple):
-    """Measurements of one epoch held against the filter and each other."""
-
-    is_accepted: NDArray[np.bool_]
-    off: Floats
-    """From what the filter and the others that are accepted say, in stds of that."""
-
-    def refused_share(self, among: NDArray[np.bool_]) -> float:
-        """Of some of them."""
-        return 1.0 - float(np.mean(self.is_accepted[among])) if among.any() else 0.0
-
-
-def lines_of(x: Floats, epoch: Ranges, ground: Ground, tuning: Tuning) -> Lines:
-    """Of a state, whose place is the ground."""
+def lines_of(x: Floats, epoch: Ranges, ground: Ground, turn_radps: float, tuning: Tuning) -> Lines:
+    """Of a state, whose place is the ground, of a vehicle that turns clockwise so fast."""
     sight = seen_from(ground, epoch.places_m, epoch.motions_mps)
-    told = np.isfinite(epoch.rates_mps) & np.isfinite(sight.range_rates_mps)
-    rows = np.flatnonzero(told)
-    y_m, H_m, stds_m = _ranges(x, epoch, sight, tuning)
-    y_mps, H_mps, stds_mps = _range_rates(x, epoch, sight, rows, tuning)
+    ranges = _ranges(x, epoch, sight, tuning)
+    rates = _range_rates(x, epoch, sight, turn_radps, tuning)
+    is_range = np.arange(len(ranges.rows) + len(rates.rows)) < len(ranges.rows)
     return Lines(
         (
-            *(f"gps_raw {name}" for name in epoch.names),
-            *(f"gps_raw_rate {epoch.names[row]}" for row in rows),
+            *(f"gps_raw {epoch.names[row]}" for row in ranges.rows),
+            *(f"gps_raw_rate {epoch.names[row]}" for row in rates.rows),
         ),
-        np.concatenate((np.arange(len(y_m)), rows)),
-        np.arange(len(y_m) + len(rows)) < len(y_m),
-        np.concatenate((y_m, y_mps)),
-        np.vstack((H_m, H_mps)),
-        np.concatenate((stds_m, stds_mps)),
+        np.concatenate((ranges.rows, rates.rows)),
+        is_range,
+        np.concatenate((ranges.y, rates.y)),
+        np.vstack((ranges.H, rates.H)),
+        np.concatenate((ranges.stds, rates.stds)),
     )
+
+
+class _Kind(NamedTuple):
+    """Of one kind; `rows` are those of the epoch."""
+
+    rows: NDArray[np.int64]
+    y: Floats
+    H: Floats
+    stds: Floats
 
 
 def offset_state(system: str) -> int | None:
@@ -78,10 +73,8 @@ def offset_state(system: str) -> int | None:
     return R.OFFSETS + OTHER_SYSTEMS.index(system) if system in OTHER_SYSTEMS else None
 
 
-def _ranges(
-    x: Floats, epoch: Ranges, sight: Sight, tuning: Tuning
-) -> tuple[Floats, Floats, Floats]:
-    """Innovations, matrix and stds of ranges, from the place of LATENCY ago, with the clock.
+def _ranges(x: Floats, epoch: Ranges, sight: Sight, tuning: Tuning) -> _Kind:
+    """From the place of LATENCY ago, with the clock.
 
     As of fixes, a part of the error is common to all satellites and varies slowly.
     """
@@ -102,41 +95,51 @@ def _ranges(
     # in these the range is linear; of place and height `sight` is the value
     linear = [S.GPS_EAST, S.GPS_NORTH, S.LATENCY, R.CLOCK, *range(R.OFFSETS, len(x))]
     y = epoch.pseudoranges_m - sight.ranges_m - H[:, linear] @ x[linear]
-    return y, H, range_stds_m(epoch.stds_m, up, epoch.cn0_dbhz)
+    stds_m = range_stds_m(epoch.stds_m, up, epoch.cn0_dbhz)
+    return _Kind(np.arange(len(y)), y, H, stds_m)
 
 
 def _range_rates(
-    x: Floats, epoch: Ranges, sight: Sight, rows: NDArray[np.int64], tuning: Tuning
-) -> tuple[Floats, Floats, Floats]:
-    """Innovations, matrix and stds of the range rates of some satellites."""
+    x: Floats, epoch: Ranges, sight: Sight, turn_radps: float, tuning: Tuning
+) -> _Kind:
+    """Of the satellites that tell one and whose motion is known, with the heading of LATENCY ago.
+
+    In a turn the antenna moves to the side of where the rear axle goes, and what its time is off by
+    turns the way that it takes.
+    """
+    rows = np.flatnonzero(np.isfinite(epoch.rates_mps) & np.isfinite(sight.range_rates_mps))
     east, north, _ = sight.directions[rows].T
-    sin, cos = math.sin(x[S.HEADING]), math.cos(x[S.HEADING])
+    heading_rad = x[S.HEADING] - turn_radps * x[S.LATENCY]
+    sin, cos = math.sin(heading_rad), math.cos(heading_rad)
     wheels_mps, scale = x[S.WHEEL_SPEED], x[S.ODOMETER_SCALE]
     along = east * sin + north * cos
     H = np.zeros((len(rows), len(x)))
-    H[:, S.HEADING] = -(east * cos - north * sin) * scale * wheels_mps
+    speed_mps = scale * wheels_mps
+    H[:, S.HEADING] = -(east * cos - north * sin) * speed_mps
+    H[:, S.LATENCY] = -turn_radps * H[:, S.HEADING]
     H[:, S.WHEEL_SPEED], H[:, S.ODOMETER_SCALE] = -along * scale, -along * wheels_mps
     H[:, R.CLOCK_DRIFT] = 1.0
-    expected_mps = sight.range_rates_mps[rows] - along * scale * wheels_mps + x[R.CLOCK_DRIFT]
-    stds_mps = np.fmax(epoch.rate_stds_mps[rows], tuning.range_rate_std_mps)
-    return epoch.rates_mps[rows] - expected_mps, H, stds_mps
+    expected_mps = sight.range_rates_mps[rows] - along * speed_mps + x[R.CLOCK_DRIFT]
+    aside_mps = turn_radps * (tuning.antenna_lever_m + abs(speed_mps) * tuning.gps_time_std_s)
+    stds_mps = np.hypot(np.fmax(epoch.rate_stds_mps[rows], tuning.range_rate_std_mps), aside_mps)
+    return _Kind(rows, epoch.rates_mps[rows] - expected_mps, H, stds_mps)
 
 
-def judged(y: Floats, covariance: Floats, limit: float) -> Judged:
-    """Refuse the most unlikely one as long as one is over the limit (of the squared `off`)."""
-    inverse = np.linalg.inv(covariance)
-    is_accepted = np.ones(len(y), dtype=bool)
-    off = np.zeros(len(y))
-    while is_accepted.any():
-        kept = np.flatnonzero(is_accepted)
-        off[kept] = (inverse[np.ix_(kept, kept)] @ y[kept]) / np.sqrt(inverse[kept, kept])
-        worst = kept[int(np.argmax(np.abs(off[kept])))]
-        if off[worst] ** 2 <= limit:
-            break
-        is_accepted[worst] = False
-        # without it the inverse is that of the covariance without its row and column
-        inverse = inverse - np.outer(inverse[worst], inverse[worst]) / inverse[worst, worst]
-    return Judged(is_accepted, off)
+def verdicts_of(lines: Lines, found: Judged, t_ns: int, limit: float) -> list[Verdict]:
+    """One for each range and range rate."""
+    return [
+        Verdict(
+            sensor=name,
+            t_ns=t_ns,
+            accepted=is_accepted,
+            nis=off**2,
+            threshold=limit,
+            reason=None if is_accepted else TOO_FAR,
+        )
+        for name, is_accepted, off in zip(
+            lines.names, found.is_accepted.tolist(), found.off.tolist(), strict=True
+        )
+    ]
 
 
 def weights_of(lines: Lines, found: Judged) -> Floats:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wayline.messages import GpsRaw, RawSatellite
-from wayline_fusion.filter.sight import SPEED_OF_LIGHT_MPS
+from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
 from wayline_fusion.intake.events import Ranges
 
 LETTERS = {

@@ -6,10 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from pyproj import Transformer
 
-from wayline_fusion.filter.states import Floats
+from wayline.likelihood import Floats
+from wayline.satellites.earth import EARTH_RATE_RADPS, SPEED_OF_LIGHT_MPS
 
-SPEED_OF_LIGHT_MPS = 299_792_458.0
-EARTH_TURN_RADPS = 7.292_115_146_7e-5
 TO_ECEF = Transformer.from_crs("EPSG:4979", "EPSG:4978", always_xy=True)
 
 
@@ -54,7 +53,7 @@ def seen_from(ground: Ground, places_m: Floats, motions_mps: Floats) -> Sight:
     into the frame of the reception.
     """
     travelled_s = np.linalg.norm(places_m - ground.place_m, axis=1) / SPEED_OF_LIGHT_MPS
-    turned_rad = EARTH_TURN_RADPS * travelled_s
+    turned_rad = EARTH_RATE_RADPS * travelled_s
     lines_m = _turned(places_m, turned_rad) - ground.place_m
     ranges_m = np.linalg.norm(lines_m, axis=1)
     lines_m /= ranges_m[:, None]

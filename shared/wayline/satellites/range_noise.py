@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wayline_fusion.filter.states import Floats
+from wayline.likelihood import Floats
 
 LOWEST_SIN = 0.12
 """Of the elevation: beneath it the air is no thicker to any use."""
