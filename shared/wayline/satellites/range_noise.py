@@ -1,21 +1,34 @@
 """Pure: what a pseudorange is worth, and what one that is too long still counts for."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from wayline.likelihood import Floats
 
 LOWEST_SIN = 0.12
-"""Of the elevation: beneath it the air is no thicker to any use."""
+"""Of the elevation: lower satellites are no worse than one of 7 degrees."""
 STRONG_DBHZ = 45.0
 """A signal as strong comes straight; weaker ones are reflected, bent or shaded."""
-FLOOR_M = 3.0
 
 
-def range_stds_m(claimed_m: Floats, sines: Floats, cn0_dbhz: Floats) -> Floats:
-    """By what the receiver claims, the sine of the elevation and the signal's strength."""
-    claimed_m = np.where(np.isnan(claimed_m), FLOOR_M, np.maximum(claimed_m, FLOOR_M))
-    weak_db = np.where(np.isnan(cn0_dbhz), 0.0, np.maximum(STRONG_DBHZ - cn0_dbhz, 0.0))
-    return claimed_m / np.maximum(sines, LOWEST_SIN) * 10.0 ** (weak_db / 40.0)
+class Signals(NamedTuple):
+    """What tells how good ranges are, a row each; nan is what is not told."""
+
+    claimed_m: Floats
+    """Stds, as the receiver has them."""
+    sines: Floats
+    """Of the elevations."""
+    cn0_dbhz: Floats
+
+    def stds_m(self, floor_m: float) -> Floats:
+        """Of the ranges; `floor_m` is that of a strong one from the zenith.
+
+        Twice as much for each 12 dB that a signal is weaker.
+        """
+        claimed_m = np.fmax(self.claimed_m, floor_m)
+        weak_db = np.fmax(STRONG_DBHZ - self.cn0_dbhz, 0.0)
+        return claimed_m / np.maximum(self.sines, LOWEST_SIN) * 10.0 ** (weak_db / 40.0)
 
 
 def one_sided(off: Floats, wide: float) -> Floats:

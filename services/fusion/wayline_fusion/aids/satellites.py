@@ -9,7 +9,7 @@ from wayline.agreement import Agreement, lasted_s, rejected
 from wayline.likelihood import Measurement, threshold
 from wayline.satellites.sight import Ground, ground_at
 from wayline.snooping import Judged, judged
-from wayline_fusion.evidence.range_fit import Heard, RangeFit, RangeTrack
+from wayline_fusion.evidence.range_fit import Heard, Known, RangeFit, RangeTrack
 from wayline_fusion.evidence.single_epoch import fix_alone
 from wayline_fusion.filter.estimate import Estimate
 from wayline_fusion.filter.gate import UNUSED, Outcome
@@ -30,9 +30,6 @@ SURE_HEADING_RAD = math.radians(7.0)
 """From there on the filter, which goes straight on from one place, does better than a fit."""
 UNSURE_HEADING_RAD = math.radians(20.0)
 """Of a filter that satellites have locked out."""
-SAME_REFLECTIONS_S = 30.0
-SAME_REFLECTIONS_M = 15.0
-"""Reflections change over such a time at rest, and over such a way: an epoch tells as much anew."""
 STEPPED_STD_M = 100.0
 """Of a clock that has stepped by what satellites among reflections say."""
 HEIGHT_ALONE_STD_M = 30.0
@@ -91,10 +88,9 @@ class Satellites:
         if track is before:
             return
         self._keep(track=track)
-        kalman, sure_deg = estimate.filter, estimate.tuning.heading_start_std_deg
-        bias = float(kalman.x[S.GYRO_BIAS]), kalman.std(S.GYRO_BIAS)
-        fit = track.fit(heard, ground, *bias)
-        if fit is None or fit.turn_std_rad > math.radians(sure_deg):
+        fit = track.fit(heard, ground, _known(estimate))
+        sure_rad = math.radians(estimate.tuning.heading_start_std_deg)
+        if fit is None or fit.turn_std_rad > sure_rad:
             return
         _place(estimate, fit)
         if fit.turn_std_rad <= SURE_HEADING_RAD:
@@ -139,10 +135,10 @@ class Satellites:
 
     def _variances(self, estimate: Estimate, lines: Lines, found: Judged) -> np.ndarray:
         """What each counts for: too long ones for less, and none twice for one reflection."""
-        evidence = self.evidence
-        driven_m = estimate.distance_m - evidence.used_m
-        waited_s = (estimate.t_ns - evidence.used_ns) * 1e-9
-        new = 1.0 - math.exp(-waited_s / SAME_REFLECTIONS_S - driven_m / SAME_REFLECTIONS_M)
+        evidence, tuning = self.evidence, estimate.tuning
+        driven = (estimate.distance_m - evidence.used_m) / tuning.reflection_way_m
+        waited = (estimate.t_ns - evidence.used_ns) * 1e-9 / tuning.reflection_time_s
+        new = 1.0 - math.exp(-waited - driven)
         counted = weights_of(lines, found) * np.where(lines.is_range, new, 1.0)
         return lines.stds**2 / np.maximum(counted, 1e-6)
 
@@ -167,6 +163,12 @@ def _heard(estimate: Estimate, epoch: Ranges) -> Heard:
     return Heard(epoch, complex(reckoned.east_m, reckoned.north_m), reckoned.biased_s)
 
 
+def _known(estimate: Estimate) -> Known:
+    kalman, tuning = estimate.filter, estimate.tuning
+    bias_radps, std_radps = float(kalman.x[S.GYRO_BIAS]), kalman.std(S.GYRO_BIAS)
+    return Known(bias_radps, std_radps, tuning.range_std_floor_m)
+
+
 def _ground(estimate: Estimate) -> Ground | None:
     place_deg = estimate.geodetic()
     if place_deg is None:
@@ -176,7 +178,7 @@ def _ground(estimate: Estimate) -> Ground | None:
 
 def _begin(estimate: Estimate, epoch: Ranges) -> None:
     """Let a fix by this epoch alone go the way of any fix."""
-    alone = fix_alone(epoch)
+    alone = fix_alone(epoch, estimate.tuning.range_std_floor_m)
     if alone is None:
         return
     fix, height_m = alone

@@ -16,7 +16,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from wayline.satellites.range_noise import one_sided, range_stds_m
+from wayline.satellites.range_noise import Signals, one_sided
 from wayline.satellites.sight import Ground, seen_from
 from wayline_fusion.intake.events import Ranges
 
@@ -47,6 +47,14 @@ class Heard(NamedTuple):
     reckoned_m: complex
     biased_s: float
     """For how long the gyro's bias has turned the reckoned way."""
+
+
+class Known(NamedTuple):
+    """Before any fit, of the gyro's bias, clockwise, and of a strong range from the zenith."""
+
+    bias_radps: float
+    bias_std_radps: float
+    range_std_floor_m: float
 
 
 class RangeFit(NamedTuple):
@@ -86,17 +94,15 @@ class RangeTrack(msgspec.Struct, frozen=True):
         kept = tuple(each for each in self.heard if each.ranges.t_ns >= oldest_ns)
         return RangeTrack((*kept, heard)[-SEEN_MAX:])
 
-    def fit(
-        self, now: Heard, ground: Ground, bias_radps: float, bias_std_radps: float
-    ) -> RangeFit | None:
+    def fit(self, now: Heard, ground: Ground, known: Known) -> RangeFit | None:
         """The way as it lies about a ground within a few kilometres; None of too few epochs."""
         if len(self.heard) < FITTED_MIN:
             return None
-        way = _unbent(self.heard, now, bias_radps)
+        way = _unbent(self.heard, now, known.bias_radps)
         if float(np.mean(np.abs(way - way.mean()) ** 2)) < SPREAD_MIN_M**2:
             return None
-        lines = _lines(self.heard, way, ground, now)
-        turned, (solution, covariance) = _rigid(lines, _turn_of(lines), bias_std_radps)
+        lines = _lines(self.heard, way, ground, now, known.range_std_floor_m)
+        turned, (solution, covariance) = _rigid(lines, _turn_of(lines), known.bias_std_radps)
         # so many epochs have the same reflections
         alike = max(len(way) * CORRELATED_M / max(float(np.ptp(np.abs(way))), CORRELATED_M), 1.0)
         told = alike * covariance
@@ -107,7 +113,7 @@ class RangeTrack(msgspec.Struct, frozen=True):
             float(solution[2]),
             math.sqrt(float(told[2, 2])),
             -cmath.phase(turned),
-            bias_radps + float(solution[4]),
+            known.bias_radps + float(solution[4]),
             told[np.ix_(of_reckoning, of_reckoning)] * np.outer(signs, signs),
         )
 
@@ -143,7 +149,11 @@ class Lines(NamedTuple):
 
 
 def _lines(
-    heard: Sequence[Heard], way: NDArray[np.complex128], ground: Ground, now: Heard
+    heard: Sequence[Heard],
+    way: NDArray[np.complex128],
+    ground: Ground,
+    now: Heard,
+    floor_m: float,
 ) -> Lines:
     epochs = [each.ranges for each in heard]
     counts = [len(each.names) for each in epochs]
@@ -158,7 +168,7 @@ def _lines(
     cn0_dbhz = np.concatenate([each.cn0_dbhz for each in epochs])
     return Lines(
         np.concatenate([each.pseudoranges_m for each in epochs]) - sight.ranges_m,
-        range_stds_m(claimed_m, sight.directions[:, 2], cn0_dbhz),
+        Signals(claimed_m, sight.directions[:, 2], cn0_dbhz).stds_m(floor_m),
         sight.directions,
         np.array(others, dtype=np.float64).reshape(len(others), -1).T,
         np.repeat(way, counts),

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from pyproj import Transformer
 
-from wayline.satellites.range_noise import one_sided, range_stds_m
+from wayline.satellites.range_noise import Signals, one_sided
 from wayline.satellites.sight import Ground, Sight, ground_at, seen_from
 from wayline_fusion.filter.states import Floats
 from wayline_fusion.intake.events import Fix, Ranges
@@ -26,12 +26,15 @@ STD_MIN_M = 9.0
 """Reflections that agree displace a fix by more than its own ranges tell, m."""
 
 
-def fix_alone(epoch: Ranges) -> tuple[Fix, float] | None:
-    """A fix and its height above the ellipsoid; None of too few satellites."""
+def fix_alone(epoch: Ranges, floor_m: float) -> tuple[Fix, float] | None:
+    """A fix and its height above the ellipsoid; None of too few satellites.
+
+    `floor_m` is the std of a strong range from the zenith.
+    """
     systems = _columns(epoch.systems)
     if len(epoch.names) < 3 + systems.shape[1]:
         return None
-    solved = _placed(epoch, systems)
+    solved = _placed(epoch, systems, floor_m)
     if solved is None:
         return None
     place_m, weights, std_m = solved
@@ -49,7 +52,7 @@ def _columns(systems: tuple[str, ...]) -> Floats:
     return np.array([[each == name for name in known] for each in systems], dtype=np.float64)
 
 
-def _placed(epoch: Ranges, systems: Floats) -> tuple[Floats, Floats, float] | None:
+def _placed(epoch: Ranges, systems: Floats, floor_m: float) -> tuple[Floats, Floats, float] | None:
     """Place, weights of the ranges, and the std of the place per axis."""
     place_m = np.zeros(3)
     weights = np.ones(len(systems))
@@ -66,7 +69,7 @@ def _placed(epoch: Ranges, systems: Floats) -> tuple[Floats, Floats, float] | No
             if not EARTH_M[0] < float(np.linalg.norm(place_m)) < EARTH_M[1]:
                 return None
             sines = sight.directions @ (place_m / np.linalg.norm(place_m))
-            stds_m = range_stds_m(epoch.stds_m, sines, epoch.cn0_dbhz)
+            stds_m = Signals(epoch.stds_m, sines, epoch.cn0_dbhz).stds_m(floor_m)
             left_m = off_m - columns @ solution
             weights = one_sided(left_m / stds_m, 2.0) / stds_m**2
     covariance = np.linalg.inv(normal)[:3, :3]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wayline.messages import Verdict
 from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
-from wayline.satellites.range_noise import one_sided, range_stds_m, two_sided
+from wayline.satellites.range_noise import Signals, one_sided, two_sided
 from wayline.satellites.sight import Ground, Sight, seen_from
 from wayline.snooping import Judged
 from wayline.tuning import Tuning
@@ -95,7 +95,7 @@ def _ranges(x: Floats, epoch: Ranges, sight: Sight, tuning: Tuning) -> _Kind:
     # in these the range is linear; of place and height `sight` is the value
     linear = [S.GPS_EAST, S.GPS_NORTH, S.LATENCY, R.CLOCK, *range(R.OFFSETS, len(x))]
     y = epoch.pseudoranges_m - sight.ranges_m - H[:, linear] @ x[linear]
-    stds_m = range_stds_m(epoch.stds_m, up, epoch.cn0_dbhz)
+    stds_m = Signals(epoch.stds_m, up, epoch.cn0_dbhz).stds_m(tuning.range_std_floor_m)
     return _Kind(np.arange(len(y)), y, H, stds_m)
 
 
@@ -121,7 +121,9 @@ def _range_rates(
     H[:, R.CLOCK_DRIFT] = 1.0
     expected_mps = sight.range_rates_mps[rows] - along * speed_mps + x[R.CLOCK_DRIFT]
     aside_mps = turn_radps * (tuning.antenna_lever_m + abs(speed_mps) * tuning.gps_time_std_s)
-    stds_mps = np.hypot(np.fmax(epoch.rate_stds_mps[rows], tuning.range_rate_std_mps), aside_mps)
+    stds_mps = np.hypot(
+        np.fmax(epoch.rate_stds_mps[rows], tuning.range_rate_std_floor_mps), aside_mps
+    )
     return _Kind(rows, epoch.rates_mps[rows] - expected_mps, H, stds_mps)
 
 
