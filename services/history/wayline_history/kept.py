@@ -25,7 +25,7 @@ from wayline_history.travelled import SourcedFix
 from wayline_history.trip_cutter import SILENCE_NS
 
 GAP_NS = 5_000_000_000
-"""A history that was not kept for less is told of nowhere."""
+"""What may not have been kept for less is told of nowhere."""
 ALIVE_S = 60.0
 """How often is noted that the history is kept, where nothing comes."""
 TIDY_EVERY_S = 10.0
@@ -120,10 +120,12 @@ class HistoryTables:
         alive, now_ns = self._store.alive(), told_ns()
         was_running = self._openings.count > 0
         self._openings.count += 1
-        if alive is None or now_ns - alive.t_ns < GAP_NS:
+        if alive is None:
             return
         # what was on its way when the process was killed is lost too; a database alone loses none
         on_its_way_ns = 0 if alive.is_whole or was_running else PIECE_NS
+        if now_ns - alive.t_ns + on_its_way_ns < GAP_NS:
+            return
         detail = "the database was away or full" if was_running else "history was not running"
         gap = Event(
             t_ns=alive.t_ns - on_its_way_ns,
