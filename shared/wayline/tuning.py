@@ -156,9 +156,10 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """Of the receiver's clock, white frequency noise."""
     clock_drift_walk_mps_per_sqrt_s: Positive = 0.05
     """Crystals warm up and are shaken."""
-    height_walk_m_per_sqrt_m: Positive = 0.1
-    """Roads climb by this much: 1 m in 100 m, 3 m in a kilometre. The height known stands in for a
-    satellite."""
+    slope_std_pct: Positive = 3.0
+    """Roads climb by this much where nobody tells. The height known stands in for a satellite..."""
+    slope_length_m: Positive = 200.0
+    """...as long as a slope that goes on for so far lets it."""
 
     # fusion, vertical
     vertical_sensors: tuple[VerticalSensor, ...] = ("gps", "barometer", "torque", "vehicle")

@@ -108,17 +108,17 @@ def _range_rates(
     turns the way that it takes.
     """
     rows = np.flatnonzero(np.isfinite(epoch.rates_mps) & np.isfinite(sight.range_rates_mps))
-    east, north, _ = sight.directions[rows].T
+    east, north, up = sight.directions[rows].T
     heading_rad = x[S.HEADING] - turn_radps * x[S.LATENCY]
     sin, cos = math.sin(heading_rad), math.cos(heading_rad)
     wheels_mps, scale = x[S.WHEEL_SPEED], x[S.ODOMETER_SCALE]
-    along = east * sin + north * cos
+    along = east * sin + north * cos + up * x[R.SLOPE]
     H = np.zeros((len(rows), len(x)))
     speed_mps = scale * wheels_mps
     H[:, S.HEADING] = -(east * cos - north * sin) * speed_mps
     H[:, S.LATENCY] = -turn_radps * H[:, S.HEADING]
     H[:, S.WHEEL_SPEED], H[:, S.ODOMETER_SCALE] = -along * scale, -along * wheels_mps
-    H[:, R.CLOCK_DRIFT] = 1.0
+    H[:, R.SLOPE], H[:, R.CLOCK_DRIFT] = -up * speed_mps, 1.0
     expected_mps = sight.range_rates_mps[rows] - along * speed_mps + x[R.CLOCK_DRIFT]
     aside_mps = turn_radps * (tuning.antenna_lever_m + abs(speed_mps) * tuning.gps_time_std_s)
     stds_mps = np.hypot(

@@ -5,6 +5,8 @@ random signals and applied Kalman filtering, chapter 9): bias and drift, both dr
 Each system but the first keeps its time by itself, so each has an offset of its own.
 """
 
+import math
+
 import numpy as np
 
 from wayline.likelihood import Measurement
@@ -22,7 +24,8 @@ class RangingStates:
     CLOCK = SIZE  # m, of the receiver against GPS time
     CLOCK_DRIFT = SIZE + 1  # m/s
     HEIGHT = SIZE + 2  # m above the ellipsoid
-    OFFSETS = SIZE + 3  # m, one for each of OTHER_SYSTEMS
+    SLOPE = SIZE + 3  # tangent, uphill along the heading
+    OFFSETS = SIZE + 4  # m, one for each of OTHER_SYSTEMS
 
 
 R = RangingStates
@@ -43,23 +46,38 @@ class RangingFilter(HorizontalFilter):
 
     def _initial_stds(self) -> list[float]:
         offsets = [CLOCK_UNKNOWN_M] * len(OTHER_SYSTEMS)
-        unknown = [CLOCK_UNKNOWN_M, DRIFT_UNKNOWN_MPS, HEIGHT_UNKNOWN_M, *offsets]
+        slope = 0.01 * self._tuning.slope_std_pct
+        unknown = [CLOCK_UNKNOWN_M, DRIFT_UNKNOWN_MPS, HEIGHT_UNKNOWN_M, slope, *offsets]
         return [*super()._initial_stds(), *unknown]
 
     def advance(
         self, dt_s: float, turn_rad: float | None, noise: DrivingNoise, *, standing: bool
     ) -> None:
-        """Predict over a step of at most a few tenths of a second; the clock goes on by itself."""
-        self.F[R.CLOCK, R.CLOCK_DRIFT] = dt_s
-        self._set_clock_noise(dt_s)
-        climbed_m2 = self._tuning.height_walk_m_per_sqrt_m**2 * abs(self.speed_mps) * dt_s
-        self.Q[R.HEIGHT, R.HEIGHT] = climbed_m2
+        """Predict over a step of at most a few tenths of a second.
+
+        The clock goes on by itself; height and slope (a first-order Gauss-Markov process) by the
+        way that is driven.
+        """
+        moved_m = self.speed_mps * dt_s
+        self._set_clock(dt_s)
+        kept = self._set_slope(moved_m)
         for offset in range(R.OFFSETS, RANGING_SIZE):
             self.Q[offset, offset] = OFFSET_WALK_M_PER_SQRT_S**2 * dt_s
         super().advance(dt_s, turn_rad, noise, standing=standing)
         self.x[R.CLOCK] += self.x[R.CLOCK_DRIFT] * dt_s
+        self.x[R.HEIGHT] += self.x[R.SLOPE] * moved_m
+        self.x[R.SLOPE] *= kept
 
-    def _set_clock_noise(self, dt_s: float) -> None:
+    def _set_slope(self, moved_m: float) -> float:
+        """Model and noise over a way; what is kept of the slope."""
+        tuning = self._tuning
+        kept = math.exp(-abs(moved_m) / tuning.slope_length_m)
+        self.F[R.HEIGHT, R.SLOPE], self.F[R.SLOPE, R.SLOPE] = moved_m, kept
+        self.Q[R.SLOPE, R.SLOPE] = (0.01 * tuning.slope_std_pct) ** 2 * (1.0 - kept**2)
+        return kept
+
+    def _set_clock(self, dt_s: float) -> None:
+        self.F[R.CLOCK, R.CLOCK_DRIFT] = dt_s
         Q, tuning = self.Q, self._tuning
         bias = tuning.clock_noise_m_per_sqrt_s**2
         drift = tuning.clock_drift_walk_mps_per_sqrt_s**2
