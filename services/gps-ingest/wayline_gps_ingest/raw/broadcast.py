@@ -5,6 +5,7 @@ their satellites, or with the air's delay in them, and nowhere else.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 
 import pyrtklib5 as rtklib
@@ -33,8 +34,30 @@ GALILEO_TGD = 1
 """Of RTKLIB's group delays the one for E1 with clocks of I/NAV; else the first."""
 HUMIDITY = 0.7
 """RTKLIB's own, for the troposphere."""
+SATELLITES_MAX = 255
+"""As many as an RXM-RAWX can tell of."""
+PRN = rtklib.Arr1Dint(1)
+"""Where RTKLIB writes a satellite's own number."""
 EPHEMERIS = 2
 """What RTKLIB answers when a message completes an ephemeris."""
+
+
+class Asked:
+    """Lists that RTKLIB reads and fills.
+
+    Made once: the binding never gives back what a list, or a look into a struct, has taken.
+    """
+
+    def __init__(self) -> None:
+        self.signals = rtklib.Arr1Dobsd_t(SATELLITES_MAX)
+        self.slots = [self.signals[place] for place in range(SATELLITES_MAX)]
+        self.ranges_m = [slot.P for slot in self.slots]
+        self.places = rtklib.Arr1Ddouble(6 * SATELLITES_MAX)
+        """Places and motions."""
+        self.clocks = rtklib.Arr1Ddouble(2 * SATELLITES_MAX)
+        """Offsets and drifts."""
+        self.variances = rtklib.Arr1Ddouble(SATELLITES_MAX)
+        self.health = rtklib.Arr1Dint(SATELLITES_MAX)
 
 
 class Broadcast:
@@ -48,6 +71,9 @@ class Broadcast:
         self._raw = rtklib.raw_t()
         rtklib.init_raw(self._raw, rtklib.STRFMT_UBX)
         self._nav = self._raw.nav
+        self._ionosphere = self._nav.ion_gps
+        self._asked = Asked()
+        self._place, self._direction = rtklib.Arr1Ddouble(3), rtklib.Arr1Ddouble(2)
         self._group_delays_s: dict[int, float] = {}
         self._known: set[int] = set()
 
@@ -55,6 +81,7 @@ class Broadcast:
         """Take a RINEX navigation file, beside those read before. Raises InputError."""
         if self._nav is self._raw.nav:
             self._nav = rtklib.nav_t()
+            self._ionosphere = self._nav.ion_gps
         before = self._nav.n + self._nav.ng
         with plain_copy(path) as plain:
             rtklib.readrnx(str(plain), 1, "", rtklib.obs_t(), self._nav, rtklib.sta_t())
@@ -75,7 +102,7 @@ class Broadcast:
         if answer != EPHEMERIS:
             return
         satellite = self._raw.ephsat
-        if rtklib.satsys(satellite, rtklib.Arr1Dint(1)) == rtklib.SYS_GLO:
+        if rtklib.satsys(satellite, PRN) == rtklib.SYS_GLO:
             self._known.add(satellite)
         else:
             self._take(self._raw.nav.eph[satellite - 1 + rtklib.MAXSAT * self._raw.ephset])
@@ -83,50 +110,45 @@ class Broadcast:
     def _take(self, ephemeris: rtklib.eph_t) -> None:
         satellite = ephemeris.sat
         self._known.add(satellite)
-        is_galileo = rtklib.satsys(satellite, rtklib.Arr1Dint(1)) == rtklib.SYS_GAL
+        is_galileo = rtklib.satsys(satellite, PRN) == rtklib.SYS_GAL
         self._group_delays_s[satellite] = ephemeris.tgd[GALILEO_TGD if is_galileo else 0]
 
     def states(self, t_ns: int, wanted: Sequence[Wanted]) -> list[State | None]:
         """Satellites whose signals were received at a time (Unix ns); None without ephemeris."""
-        count, time = len(wanted), _time(t_ns)
-        received = rtklib.Arr1Dobsd_t(max(count, 1))
-        for place, each in enumerate(wanted):
-            received[place].time = time
-            received[place].sat = number_of(each.system, each.prn)
-            received[place].P[0] = each.pseudorange_m
-        places, clocks, variances, health = (
-            rtklib.Arr1Ddouble(6 * count + 1),
-            rtklib.Arr1Ddouble(2 * count + 1),
-            rtklib.Arr1Ddouble(count + 1),
-            rtklib.Arr1Dint(count + 1),
-        )
-        option = rtklib.EPHOPT_BRDC
+        asked, time = self._asked, _time(t_ns)
+        wanted = wanted[:SATELLITES_MAX]
+        numbers = [number_of(each.system, each.prn) for each in wanted]
+        for slot, range_m, number, each in zip(
+            asked.slots, asked.ranges_m, numbers, wanted, strict=False
+        ):
+            slot.time, slot.sat = time, number
+            range_m[0] = each.pseudorange_m
         rtklib.satposs(
-            time, received.ptr, count, self._nav, option, places, clocks, variances, health
+            time,
+            asked.signals.ptr,
+            len(wanted),
+            self._nav,
+            rtklib.EPHOPT_BRDC,
+            asked.places,
+            asked.clocks,
+            asked.variances,
+            asked.health,
         )
-        return [
-            self._state(received[place].sat, places, clocks, health[place], place)
-            for place in range(count)
-        ]
+        return [self._state(number, place) for place, number in enumerate(numbers)]
 
-    def _state(
-        self,
-        satellite: int,
-        places: rtklib.Arr1Ddouble,
-        clocks: rtklib.Arr1Ddouble,
-        health: int,
-        at: int,
-    ) -> State | None:
-        x, y, z, vx, vy, vz = (places[6 * at + axis] for axis in range(6))
-        if satellite not in self._known or x == y == z == 0.0:
+    def _state(self, number: int, at: int) -> State | None:
+        """What RTKLIB has answered of the satellite at a place of the list."""
+        asked = self._asked
+        x, y, z, vx, vy, vz = (asked.places[6 * at + axis] for axis in range(6))
+        if number not in self._known or x == y == z == 0.0:
             return None
-        bias_s = clocks[2 * at] - self._group_delays_s.get(satellite, 0.0)
+        bias_s = asked.clocks[2 * at] - self._group_delays_s.get(number, 0.0)
         return State(
             Vector(x, y, z),
             Vector(vx, vy, vz),
             SPEED_OF_LIGHT_MPS * bias_s,
-            SPEED_OF_LIGHT_MPS * clocks[2 * at + 1],
-            health == 0,
+            SPEED_OF_LIGHT_MPS * asked.clocks[2 * at + 1],
+            asked.health[at] == 0,
         )
 
     def is_known(self, system: str, prn: int) -> bool:
@@ -135,13 +157,11 @@ class Broadcast:
 
     def delay_m(self, path: SignalPath) -> float:
         """By how much the air makes a pseudorange too long (Klobuchar, Saastamoinen)."""
-        time, place = _time(path.t_ns), rtklib.Arr1Ddouble(3)
-        direction = rtklib.Arr1Ddouble(2)
-        for at, degrees in enumerate((path.lat_deg, path.lon_deg)):
-            place[at] = degrees * rtklib.D2R
+        time, place, direction = _time(path.t_ns), self._place, self._direction
+        place[0], place[1] = path.lat_deg * rtklib.D2R, path.lon_deg * rtklib.D2R
         place[2] = path.height_m
         direction[0], direction[1] = path.azimuth_deg * rtklib.D2R, path.elevation_deg * rtklib.D2R
-        bent_m = rtklib.ionmodel(time, self._nav.ion_gps, place, direction)
+        bent_m = rtklib.ionmodel(time, self._ionosphere, place, direction)
         bent_m *= (L1_HZ / path.carrier_hz) ** 2
         return float(bent_m + rtklib.tropmodel(time, place, direction, HUMIDITY))
 
@@ -154,12 +174,12 @@ def number_of(system: str, prn: int) -> int:
 
 def satellite_of(number: int) -> tuple[str, int] | None:
     """System and its own number of a satellite that RTKLIB numbers; None of what is none."""
-    prn = rtklib.Arr1Dint(1)
-    name = NAMES.get(rtklib.satsys(number, prn))
+    name = NAMES.get(rtklib.satsys(number, PRN))
     if name is None:
         return None
-    return name, prn[0] - (QZSS_FIRST if name == "qzss" else 0)
+    return name, PRN[0] - (QZSS_FIRST if name == "qzss" else 0)
 
 
+@lru_cache(maxsize=1)
 def _time(t_ns: int) -> rtklib.gtime_t:
     return rtklib.gpst2time(*week_and_tow_s(max(t_ns, EARLIEST_NS)))

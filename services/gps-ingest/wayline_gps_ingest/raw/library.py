@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wayline.errors import InputError
+from wayline_gps_ingest.raw.core import RawIngestCore
 from wayline_gps_ingest.raw.ephemerides import Placing
 
 if TYPE_CHECKING:
     from wayline_gps_ingest.raw.broadcast import Broadcast
     from wayline_gps_ingest.raw.rinex import RinexLog
+    from wayline_gps_ingest.raw.ubx_core import UbxCore
     from wayline_gps_ingest.raw.ubx_log import UbxLog
 
 PACKAGES = {"pyrtklib5", "pyubx2"}
@@ -37,6 +39,14 @@ def ubx_log(path: Path, placing: Placing, heard: "Broadcast | None") -> "UbxLog"
     with _needed(str(path)):
         from wayline_gps_ingest.raw.ubx_log import UbxLog  # noqa: PLC0415 -- an extra
     return UbxLog(path, placing, heard)
+
+
+def ubx_core(placing: Placing, heard: "Broadcast | None", epochs: RawIngestCore) -> "UbxCore":
+    """What takes a live receiver's messages. Raises InputError where packages are missing."""
+    with _needed("[[raw]]"):
+        from wayline_gps_ingest.raw.ubx import UbxReceiver  # noqa: PLC0415 -- an extra
+        from wayline_gps_ingest.raw.ubx_core import UbxCore  # noqa: PLC0415 -- an extra
+    return UbxCore(UbxReceiver(placing, heard), epochs)
 
 
 def rinex_log(path: Path, placing: Placing) -> "RinexLog":

@@ -37,7 +37,7 @@ class Sky:
         horizon = self._horizon
         if horizon is None:
             return tuple(satellites)
-        return tuple(self._without_air(t_ns, _directed(each, horizon)) for each in satellites)
+        return tuple(self._one_seen(t_ns, each, horizon) for each in satellites)
 
     def _seek(self, t_ns: int, satellites: Sequence[RawSatellite]) -> None:
         """Look where the receiver is, now and then."""
@@ -50,28 +50,28 @@ class Sky:
         if place_m is not None:
             self._horizon = Horizon.of(place_m)
 
-    def _without_air(self, t_ns: int, satellite: RawSatellite) -> RawSatellite:
-        horizon, pseudorange_m = self._horizon, satellite.pseudorange_m
-        elevation_deg, azimuth_deg = satellite.elevation_deg, satellite.azimuth_deg
-        if self._air is None or horizon is None or pseudorange_m is None or elevation_deg is None:
-            return satellite
-        path = SignalPath(
-            t_ns=t_ns,
-            lat_deg=horizon.lat_deg,
-            lon_deg=horizon.lon_deg,
-            height_m=horizon.height_m,
+    def _one_seen(self, t_ns: int, satellite: RawSatellite, horizon: Horizon) -> RawSatellite:
+        place_m, elevation_deg = place_of(satellite), satellite.elevation_deg
+        azimuth_deg, pseudorange_m = satellite.azimuth_deg, satellite.pseudorange_m
+        if elevation_deg is None:
+            if place_m is None:
+                return satellite
+            elevation_deg, azimuth_deg = horizon.direction_deg(place_m)
+        if self._air is not None and pseudorange_m is not None:
+            pseudorange_m -= self._air.delay_m(
+                SignalPath(
+                    t_ns=t_ns,
+                    lat_deg=horizon.lat_deg,
+                    lon_deg=horizon.lon_deg,
+                    height_m=horizon.height_m,
+                    elevation_deg=elevation_deg,
+                    azimuth_deg=azimuth_deg or 0.0,
+                    carrier_hz=satellite.carrier_hz or L1_HZ,
+                )
+            )
+        return msgspec.structs.replace(
+            satellite,
             elevation_deg=elevation_deg,
-            azimuth_deg=azimuth_deg or 0.0,
-            carrier_hz=satellite.carrier_hz or L1_HZ,
+            azimuth_deg=azimuth_deg,
+            pseudorange_m=pseudorange_m,
         )
-        without_m = pseudorange_m - self._air.delay_m(path)
-        return msgspec.structs.replace(satellite, pseudorange_m=without_m)
-
-
-def _directed(satellite: RawSatellite, horizon: Horizon) -> RawSatellite:
-    """The satellite with its direction; one that is told stands."""
-    place_m = place_of(satellite)
-    if place_m is None or satellite.elevation_deg is not None:
-        return satellite
-    elevation_deg, azimuth_deg = horizon.direction_deg(place_m)
-    return msgspec.structs.replace(satellite, elevation_deg=elevation_deg, azimuth_deg=azimuth_deg)

@@ -57,13 +57,14 @@ class UbxReceiver:
 
     def feed(self, chunk: bytes, received_ns: int | None = None) -> list[RawEpoch]:
         """The epochs that a chunk completes."""
-        return self._read(self._splitter.feed(chunk), received_ns)
+        return self.take(self._splitter.feed(chunk), received_ns)
 
     def end(self) -> list[RawEpoch]:
         """What the last bytes held, now that no more will come."""
-        return self._read(self._splitter.end(), None)
+        return self.take(self._splitter.end())
 
-    def _read(self, messages: list[bytes], received_ns: int | None) -> list[RawEpoch]:
+    def take(self, messages: list[bytes], received_ns: int | None = None) -> list[RawEpoch]:
+        """The epochs in some messages that are whole."""
         epochs: list[RawEpoch] = []
         for message in messages:
             self.messages += 1
@@ -83,8 +84,8 @@ class UbxReceiver:
 
     def _epoch(self, message: bytes, received_ns: int | None) -> RawEpoch | None:
         try:
-            # its checksum has been looked at, which pyubx2 does more slowly
-            parsed = UBXReader.parse(message, msgmode=GET, validate=VALNONE)
+            # the checksum and the bits of flags are looked at here, which pyubx2 does more slowly
+            parsed = UBXReader.parse(message, msgmode=GET, validate=VALNONE, parsebitfield=False)
             told = read_rawx(parsed)
         except (UBXParseError, UBXMessageError, UBXTypeError, AttributeError):
             self._faults["malformed"] += 1

@@ -2,6 +2,7 @@
 
 from collections import Counter
 
+import msgspec
 import numpy as np
 
 SYNC = b"\xb5\x62"
@@ -11,17 +12,25 @@ PAYLOAD_MAX_BYTES = 8_192
 """More than an RXM-RAWX of 255 signals: a length beyond that is damage."""
 
 
+class UbxBytes(msgspec.Struct, frozen=True):
+    """A UBX message as it came, head and checksum included."""
+
+    received_ns: int | None
+    message: bytes
+
+
 class UbxSplitter:
     """Bytes of one connection or file in, in whatever pieces they come, messages out.
 
     A message is found by its sync and proved by its checksum; where that fails the search goes on
     right behind the sync, so that a torn message costs itself and not the next one. Counted in
-    `faults`: `checksum`, and `torn` for what the end has cut off.
+    `faults`, which may be shared by splitters that follow each other: `checksum`, and `torn` for
+    what the end has cut off.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, faults: Counter[str] | None = None) -> None:
         self._rest = bytearray()
-        self.faults: Counter[str] = Counter()
+        self.faults: Counter[str] = Counter() if faults is None else faults
 
     def feed(self, chunk: bytes) -> list[bytes]:
         """The messages that a chunk completes, head and checksum included."""

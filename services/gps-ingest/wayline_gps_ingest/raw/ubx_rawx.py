@@ -6,7 +6,7 @@ phase is not read, so that half cycles in it do no harm.
 
 from functools import cache
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pyubx2 import UBXMessage
 
@@ -28,10 +28,16 @@ SIGNALS = {
     (7, 0): ("navic", L5_HZ),
 }
 """By gnssId and sigId: each system's first signal, for which its broadcast clocks hold."""
-STD_UNKNOWN = 15
+LEAPS_KNOWN, CLOCK_RESET = 1, 2
+"""Bits of recStat."""
+PSEUDORANGE_VALID = 1
+"""Bit of trkStat."""
+LOW_BITS, STD_UNKNOWN = 0x0F, 15
 PSEUDORANGE_STD_M, DOPPLER_STD_HZ = 0.01, 0.002
 """Times two to the power of what is told."""
-FIELDS = ("prMes", "doMes", "gnssId", "svId", "sigId", "freqId", "cno", "prStd", "doStd", "prValid")
+FLAGS = ("prStdev", "doStdev", "trkStat")
+"""Of a byte each."""
+FIELDS = ("prMes", "doMes", "gnssId", "svId", "sigId", "freqId", "cno", *FLAGS)
 FIRST_WEEK = 1_780
 """RXM-RAWX came with u-blox 8 in 2014: a week before has lost its count of 1024."""
 WEEKS_LOST = 1_024
@@ -54,41 +60,45 @@ class Rawx(NamedTuple):
 
 
 def read_rawx(message: UBXMessage) -> Rawx:
-    """An RXM-RAWX message as `pyubx2` has parsed it."""
+    """An RXM-RAWX message as `pyubx2` has parsed it, bytes of bits left whole.
+
+    Raises AttributeError where it holds less than it says.
+    """
     read = [_signal(_fields(number)(message)) for number in range(1, message.numMeas + 1)]
     return Rawx(
         week=message.week,
         tow_s=message.rcvTow,
-        leaps_s=message.leapS if message.leapSec else None,
-        clock_reset=bool(message.clkReset),
+        leaps_s=message.leapS if message.recStat[0] & LEAPS_KNOWN else None,
+        clock_reset=bool(message.recStat[0] & CLOCK_RESET),
         satellites=tuple(satellite for satellite in read if satellite is not None),
     )
 
 
 @cache
-def _fields(number: int) -> "attrgetter[tuple[float, ...]]":
+def _fields(number: int) -> "attrgetter[tuple[Any, ...]]":
     """Reads the fields of one signal of a message; the first has number 1."""
     return attrgetter(*(f"{name}_{number:02d}" for name in FIELDS))
 
 
-def _signal(values: tuple[float, ...]) -> RawSatellite | None:
+def _signal(values: tuple[Any, ...]) -> RawSatellite | None:
     """One signal; None where it is of a further frequency, or nothing could be measured."""
     pseudorange_m, doppler_hz, gnss_id, sv_id, signal_id, frequency_id, *quality = values
-    cn0_dbhz, pseudorange_std, doppler_std, is_valid = quality
-    known = SIGNALS.get((int(gnss_id), int(signal_id)))
+    cn0_dbhz, pseudorange_std, doppler_std, tracking = quality
+    pseudorange_std, doppler_std = pseudorange_std[0] & LOW_BITS, doppler_std[0] & LOW_BITS
+    known = SIGNALS.get((gnss_id, signal_id))
     if known is None:
         return None
     system, carrier_hz = known
     if system == "glonass":
         carrier_hz += (frequency_id - GLONASS_MIDDLE) * GLONASS_STEP_HZ
     told = {"doppler_hz": doppler_hz, "cn0_dbhz": cn0_dbhz, "carrier_hz": carrier_hz}
-    if is_valid:
+    if tracking[0] & PSEUDORANGE_VALID:
         told["pseudorange_m"] = pseudorange_m
     if pseudorange_std != STD_UNKNOWN:
         told["pseudorange_std_m"] = PSEUDORANGE_STD_M * 2.0**pseudorange_std
     if doppler_std != STD_UNKNOWN:
         told["doppler_std_hz"] = DOPPLER_STD_HZ * 2.0**doppler_std
-    return raw_satellite(system, int(sv_id), told)
+    return raw_satellite(system, sv_id, told)
 
 
 class Weeks:

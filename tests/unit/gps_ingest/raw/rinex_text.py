@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from unit.gps_ingest.raw.lnav import Orbit, Signal
+from wayline_bench.made_up_ubx import Orbit, Signal
 
 Field = tuple[str, Signal]
 """A satellite as RINEX names it, and what was measured."""

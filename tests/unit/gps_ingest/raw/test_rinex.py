@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from unit.gps_ingest.raw.lnav import Signal
 from unit.gps_ingest.raw.rinex_text import labelled, navigation_file, observations
-from unit.gps_ingest.raw.ubx_sky import TOE_S, WEEK, epoch, navigation, recording, signal, sky
 from wayline.drive import Drive, DriveInfo, RawColumns, RawSource
 from wayline.errors import InputError
 from wayline.messages import GpsRaw
 from wayline.received import Recording
 from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
 from wayline.satellites.gps_time import unix_ns
+from wayline_bench.made_up_sky import TOE_S, WEEK, epoch, navigation, recording, signal, sky
+from wayline_bench.made_up_ubx import Signal
 from wayline_gps_ingest.recorded import recordings
 
 

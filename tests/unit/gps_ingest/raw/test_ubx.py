@@ -9,8 +9,14 @@ from typing import NamedTuple
 
 import pytest
 
-from unit.gps_ingest.raw.lnav import Signal, orbit, rawx, sfrbx, ubx
-from unit.gps_ingest.raw.ubx_sky import (
+from wayline.drive import Drive, DriveInfo, RawSource
+from wayline.errors import InputError
+from wayline.messages import GpsRaw, RawSatellite
+from wayline.received import Recording
+from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
+from wayline.satellites.gps_time import WEEK_S, unix_ns
+from wayline.satellites.place import ranged, rough_place_m
+from wayline_bench.made_up_sky import (
     OWN_M,
     START_S,
     TOE_S,
@@ -21,13 +27,7 @@ from unit.gps_ingest.raw.ubx_sky import (
     signal,
     sky,
 )
-from wayline.drive import Drive, DriveInfo, RawSource
-from wayline.errors import InputError
-from wayline.messages import GpsRaw, RawSatellite
-from wayline.received import Recording
-from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
-from wayline.satellites.gps_time import WEEK_S, unix_ns
-from wayline.satellites.place import ranged, rough_place_m
+from wayline_bench.made_up_ubx import Signal, orbit, rawx, sfrbx, ubx
 from wayline_gps_ingest.recorded import recordings
 
 LIGHT_MS_M = SPEED_OF_LIGHT_MPS * 1e-3

@@ -1,7 +1,7 @@
-"""GPS satellites for tests: orbits as IS-GPS-200 writes them, as subframes and as places.
+"""Pure: made-up GPS satellites as a u-blox receiver passes them on: UBX of their broadcasts.
 
-What is put into the subframes' bits is what the place is reckoned from, so that a library which
-reads the bits and reckons anew can be held against it.
+Orbits are those that IS-GPS-200 writes. What is put into the subframes' bits is what a place is
+reckoned from, so that a library which reads the bits and reckons anew can be held against it.
 """
 
 import math
@@ -123,7 +123,7 @@ def since(tow_s: float, reference_s: float) -> float:
 
 
 def orbit(prn: int, week: int, toe_s: float, **changed: float) -> Orbit:
-    """A plausible satellite, another place for every number."""
+    """A plausible satellite, another place for every number; `changed` by the layout's names."""
     wanted = {
         "week": week % 1024,
         "health": 0,
@@ -151,6 +151,7 @@ def orbit(prn: int, week: int, toe_s: float, **changed: float) -> Orbit:
 
 
 def wrapped(angle_rad: float) -> float:
+    """As a signed field holds it."""
     return (angle_rad + math.pi) % (2.0 * math.pi) - math.pi
 
 

@@ -1,12 +1,12 @@
-"""A sky of GPS satellites over Munich, as a u-blox receiver writes it."""
+"""Pure: a made-up sky of GPS satellites over Munich, as a u-blox receiver writes it."""
 
 import math
 from typing import NamedTuple
 
 from pyproj import Transformer
 
-from unit.gps_ingest.raw.lnav import Orbit, Signal, orbit, rawx, sfrbx
 from wayline.satellites.earth import EARTH_RATE_RADPS, SPEED_OF_LIGHT_MPS
+from wayline_bench.made_up_ubx import Orbit, Signal, orbit, rawx, sfrbx
 
 WEEK = 2_400
 TOE_S = 352_800.0
@@ -24,8 +24,10 @@ class Seen(NamedTuple):
     elevation_deg: float
 
 
-def sky(tow_s: float = START_S, week: int = WEEK, toe_s: float = TOE_S) -> list[Seen]:
-    """Of 32 satellites those above 10 degrees."""
+def sky(
+    tow_s: float = START_S, week: int = WEEK, toe_s: float = TOE_S, mask_deg: float = MASK_DEG
+) -> list[Seen]:
+    """Of 32 satellites those above a mask."""
     up = [each / math.hypot(*OWN_M) for each in OWN_M]
     seen = []
     for prn in range(1, 33):
@@ -33,7 +35,7 @@ def sky(tow_s: float = START_S, week: int = WEEK, toe_s: float = TOE_S) -> list[
         ray = [a - b for a, b in zip(each.place_m(tow_s), OWN_M, strict=True)]
         rise = sum(a * b for a, b in zip(ray, up, strict=True)) / math.hypot(*ray)
         seen.append(Seen(each, math.degrees(math.asin(rise))))
-    return [each for each in seen if each.elevation_deg > MASK_DEG]
+    return [each for each in seen if each.elevation_deg > mask_deg]
 
 
 def flight_m(satellite: Orbit, tow_s: float) -> float:
