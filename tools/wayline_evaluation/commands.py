@@ -100,9 +100,13 @@ def outages_command(
         str | None,
         typer.Option(
             metavar="NAME,...",
-            help="Compare these: loose, uncoupled, gps_only, gps_only_modified; papers/001 beside.",
+            help="Compare these: loose, measurement, uncoupled, gps_only, gps_only_modified; "
+            "papers/001 beside.",
         ),
     ] = None,
+    satellites: Annotated[
+        int, typer.Option(min=0, help="So many are left in outages, by raw measurements alone.")
+    ] = 0,
     without: Without = None,
     out: Out = None,
     json: Json = None,
@@ -123,7 +127,7 @@ def outages_command(
     if min(lengths_s) <= 0.0:
         raise InputError("--length", f"{min(lengths_s):g} s is no outage", "give more than 0")
     compared = () if architectures is None else architectures_of(architectures)
-    plan = OutagePlan(lengths_s, every, start, passes, compared)
+    plan = OutagePlan(lengths_s, every, start, passes, compared, satellites)
     with progress() as progressed:
         options = Options(out, jobs, yardstick, withheld_of(without))
         report = outage_study(drives, plan, options, progressed)
