@@ -292,6 +292,33 @@ def following_command(
     _tell([arrival_table(report)], report, json)
 
 
+@evaluate_app.command("tracking")
+def tracking_command(
+    drive: Annotated[
+        Path | None,
+        typer.Argument(help="A drive whose motion and sky the loops meet; none: random motion."),
+    ] = None,
+    *,
+    runs: Annotated[int, typer.Option(min=1, help="Loops simulated at each C/N0.")] = 100,
+    seconds: Annotated[float, typer.Option(min=1.0, help="Length of each.")] = 60.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of noise and motion.")] = 1,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """Carrier loops and search with and without the vehicle's velocity, as papers/001 has them."""
+    from wayline_evaluation.tracking.plot import plot_tracking
+    from wayline_evaluation.tracking.study import Plan, tracking_study
+    from wayline_evaluation.tracking.table import tracking_tables
+
+    check_targets(json, plot)
+    with progress("loops") as progressed:
+        plan = Plan(runs=runs, seconds=seconds, seed=seed)
+        report = tracking_study(plan, drive, progressed)
+    _tell(tracking_tables(report), report, json)
+    if plot is not None:
+        plot_tracking(report, plot)
+
+
 @evaluate_app.command("slope")
 def slope_command(
     drives: Drives,
