@@ -8,9 +8,10 @@ import msgspec
 from wayline.core import Record
 from wayline.drive import Vehicle
 from wayline.inputs import Flush, Tick
-from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
+from wayline.messages import Barometer, GpsFix, GpsRaw, Gyro, Message, Odometer, Torque
 from wayline.tuning import Tuning
 from wayline_fusion.architectures.choice import chosen
+from wayline_fusion.coupling.aider import Aider
 from wayline_fusion.filter.timeline import Timeline
 from wayline_fusion.intake.events import Elapsed, Event
 from wayline_fusion.intake.intake import Intake
@@ -35,7 +36,7 @@ class FusionCore:
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset(
-        {GpsFix, Odometer, Gyro, Barometer, Torque}
+        {GpsFix, GpsRaw, Odometer, Gyro, Barometer, Torque}
     )
     period_ns: ClassVar[int | None] = 100_000_000
 
@@ -50,6 +51,7 @@ class FusionCore:
         self._outputs = Outputs(
             self._estimator, self._vertical, self._told, tuning, vehicle.mass_kg
         )
+        self._aider = Aider()
         self._fix_delay_ns = 0
         """How much older than the newest event a fix is when it comes."""
         self._pose_ns = 0
@@ -57,6 +59,7 @@ class FusionCore:
             Gyro: self._gyro,
             Odometer: self._odometer,
             GpsFix: self._gps_fix,
+            GpsRaw: self._gps_raw,
             Barometer: self._barometer,
             Torque: self._torque,
             Tick: self._tick,
@@ -126,6 +129,10 @@ class FusionCore:
             return [self._outputs.status(fix.t_ns)]
         return [self._pose(now_ns, has_can=False), self._outputs.status(fix.t_ns)]
 
+    def _gps_raw(self, raw: GpsRaw, _: str) -> Sequence[Message]:
+        self._aider.take(raw)
+        return ()
+
     def _barometer(self, barometer: Barometer, source: str) -> Sequence[Message]:
         if not self._is_refused(barometer, source):
             pressure = self._intake.pressure(barometer)
@@ -143,6 +150,8 @@ class FusionCore:
         has_can = self._has_can(t_ns)
         if t_ns > self._pose_ns and (has_can or (on_second and without_fix)):
             messages.append(self._pose(t_ns, has_can=has_can))
+        if self._aider.is_needed:
+            messages += self._aider.due(t_ns, self._outputs.carried())
         if on_second:
             messages.append(self._outputs.status(t_ns))
         messages += self._keeper.due(t_ns, self._intake.heard_ns)
