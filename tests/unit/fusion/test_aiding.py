@@ -73,14 +73,19 @@ class Aided(NamedTuple):
         return np.array(off), np.array(stds)
 
 
-Change = Callable[[Iterator[Message]], Iterable[Message]]
+Change = Callable[[Message], Message | None]
+"""What becomes of a message."""
+
+
+def unchanged(message: Message) -> Message:
+    return message
 
 
 def driven(
     motion: Motion,
     duration_s: float,
     sensors: Sensors = MEMS,
-    change: Change = iter,
+    change: Change = unchanged,
     tuning: Tuning | None = None,
     **raw: float,
 ) -> Aided:
@@ -91,8 +96,10 @@ def driven(
     node = Node("fusion", core)
     aids: list[Aiding] = []
     told = noisy(messages_of(motion, truths, sensors), 0.05, 0.1)
-    for message in change(with_epochs(told, SKY, way, **raw)):
-        aids += only(node.take(message, "test"), Aiding)
+    for message in with_epochs(told, SKY, way, **raw):
+        changed = change(message)
+        if changed is not None:
+            aids += only(node.take(changed, "test"), Aiding)
     return Aided(aids, way, duration_s)
 
 
@@ -105,12 +112,10 @@ def with_epochs(messages: Iterable[Message], sky: Sky, way: Way, **raw: float) -
             yield epoch(sky, way, clock_m, seconds, doppler_std_hz=noise_hz)
 
 
-def without_gps(messages: Iterable[Message], from_s: float, to_s: float) -> Iterator[Message]:
+def without_gps(message: Message, from_s: float, to_s: float) -> Message | None:
     """Neither fixes nor epochs."""
-    for message in messages:
-        blind = from_s <= seconds_of(message.t_ns) < to_s
-        if not (blind and isinstance(message, GpsFix | GpsRaw)):
-            yield message
+    blind = from_s <= seconds_of(message.t_ns) < to_s
+    return None if blind and isinstance(message, GpsFix | GpsRaw) else message
 
 
 def rms(values: Floats) -> float:
@@ -189,11 +194,10 @@ def test_pseudoranges_are_told_with_the_clocks_offset() -> None:
 def test_a_satellite_that_has_gone_behind_a_house_is_still_told_of() -> None:
     """Where it may be found again is what an aid is for."""
 
-    def hidden(messages: Iterable[Message]) -> Iterator[Message]:
-        for message in messages:
-            if isinstance(message, GpsRaw) and seconds_of(message.t_ns) > 30.0:
-                message = msgspec.structs.replace(message, satellites=message.satellites[:3])
-            yield message
+    def hidden(message: Message) -> Message:
+        if isinstance(message, GpsRaw) and seconds_of(message.t_ns) > 30.0:
+            return msgspec.structs.replace(message, satellites=message.satellites[:3])
+        return message
 
     aided = driven(circle, 60.0, change=hidden)
     assert len(aided.aids[-1].satellites) == len(SKY.nodes)
@@ -205,12 +209,11 @@ def test_a_satellite_that_has_gone_behind_a_house_is_still_told_of() -> None:
 def test_a_receiver_without_doppler_is_aided_by_its_pseudoranges() -> None:
     """Its clock's drift is how its offsets grow."""
 
-    def without_doppler(messages: Iterable[Message]) -> Iterator[Message]:
-        for message in messages:
-            if isinstance(message, GpsRaw):
-                silent = (msgspec.structs.replace(s, doppler_hz=None) for s in message.satellites)
-                message = msgspec.structs.replace(message, satellites=tuple(silent))
-            yield message
+    def without_doppler(message: Message) -> Message:
+        if not isinstance(message, GpsRaw):
+            return message
+        silent = (msgspec.structs.replace(each, doppler_hz=None) for each in message.satellites)
+        return msgspec.structs.replace(message, satellites=tuple(silent))
 
     off, stds = driven(winding, 120.0, change=without_doppler).errors_hz(80.0, 120.0)
     assert rms(off) < 3.0
@@ -218,23 +221,21 @@ def test_a_receiver_without_doppler_is_aided_by_its_pseudoranges() -> None:
 
 
 def test_satellites_without_place_or_motion_are_left_out() -> None:
-    def partly(messages: Iterable[Message]) -> Iterator[Message]:
-        for message in messages:
-            if isinstance(message, GpsRaw):
-                first, second, *rest = message.satellites
-                unplaced = msgspec.structs.replace(first, x_m=None)
-                unmoved = msgspec.structs.replace(second, vz_mps=None)
-                kept = (unplaced, unmoved, *rest)
-                message = msgspec.structs.replace(message, satellites=kept)
-            yield message
+    def partly(message: Message) -> Message:
+        if not isinstance(message, GpsRaw):
+            return message
+        first, second, *rest = message.satellites
+        unplaced = msgspec.structs.replace(first, x_m=None)
+        unmoved = msgspec.structs.replace(second, vz_mps=None)
+        return msgspec.structs.replace(message, satellites=(unplaced, unmoved, *rest))
 
     prns = {each.prn for each in driven(circle, 20.0, change=partly).aids[-1].satellites}
     assert prns == set(range(3, len(SKY.nodes) + 1))
 
 
 def test_nothing_is_told_without_epochs() -> None:
-    def silent(messages: Iterable[Message]) -> Iterator[Message]:
-        return (message for message in messages if not isinstance(message, GpsRaw))
+    def silent(message: Message) -> Message | None:
+        return None if isinstance(message, GpsRaw) else message
 
     assert driven(circle, 20.0, change=silent).aids == []
 
@@ -242,13 +243,13 @@ def test_nothing_is_told_without_epochs() -> None:
 def test_a_heading_that_is_wrong_shows_in_the_std() -> None:
     """A burst of the gyro turns the pose by degrees: the satellites that are heard tell."""
 
-    def spike(messages: Iterable[Message]) -> Iterator[Message]:
-        for message in messages:
-            if isinstance(message, Gyro) and 60.0 <= seconds_of(message.t_ns) < 60.3:
-                message = msgspec.structs.replace(message, yaw_rate_degps=40.0)
-            if isinstance(message, GpsFix) and seconds_of(message.t_ns) >= 60.0:
-                message = msgspec.structs.replace(message, course_deg=None, speed_mps=None)
-            yield message
+    def spike(message: Message) -> Message:
+        seconds = seconds_of(message.t_ns)
+        if isinstance(message, Gyro) and 60.0 <= seconds < 60.3:
+            return msgspec.structs.replace(message, yaw_rate_degps=40.0)
+        if isinstance(message, GpsFix) and seconds >= 60.0:
+            return msgspec.structs.replace(message, course_deg=None, speed_mps=None)
+        return message
 
     aided = driven(straight, 70.0, change=spike)
     _, before = aided.errors_hz(55.0, 60.0)

@@ -14,7 +14,7 @@ from wayline.satellites.doppler import (
     antenna_of,
     expected,
 )
-from wayline_fusion.coupling.epoch import Learned, learned
+from wayline_fusion.coupling.epoch import Epoch, Learned, learned
 from wayline_fusion.coupling.heard import NOTHING_HEARD, heard_of, placed
 from wayline_fusion.coupling.past import Past
 
@@ -64,7 +64,7 @@ class Aider:
             return
         heard = heard_of(satellites, t_ns)
         seen = expected(antenna, heard.orbits, t_ns)
-        self._learned = learned(self._learned, t_ns, satellites, heard, antenna, seen)
+        self._learned = learned(self._learned, Epoch(t_ns, satellites, heard, antenna, seen))
         self._heard = self._heard.with_epoch(heard)
 
     def _told(self, t_ns: int, antenna: Antenna) -> Aiding:

@@ -27,6 +27,16 @@ class Offset(NamedTuple):
     variance: float
 
 
+class Epoch(NamedTuple):
+    """What was measured at an instant and what was expected, a row each satellite."""
+
+    t_ns: int
+    satellites: list[RawSatellite]
+    heard: Heard
+    antenna: Antenna
+    expected: Expected
+
+
 class Learned(msgspec.Struct, frozen=True):
     """What epochs have told."""
 
@@ -37,30 +47,24 @@ class Learned(msgspec.Struct, frozen=True):
     """Factor on the variance that the pose claims for its velocity along lines of sight."""
 
 
-def learned(
-    before: Learned,
-    t_ns: int,
-    satellites: list[RawSatellite],
-    heard: Heard,
-    antenna: Antenna,
-    expected: Expected,
-) -> Learned:
-    """With an epoch's satellites, one row each of `heard` and of what was expected of them."""
-    drift, doubt = before.drift, before.doubt
-    dopplers_hz = _column([each.doppler_hz for each in satellites])
-    told = ~np.isnan(dopplers_hz)
+def learned(before: Learned, epoch: Epoch) -> Learned:
+    """With what one more epoch tells of the clock and of the aid."""
+    drift, doubt, offsets = before.drift, before.doubt, _offsets(epoch)
     shared: Shared | None
-    offsets = _offsets(t_ns, satellites, heard, antenna, expected)
+    dopplers_hz = _column([each.doppler_hz for each in epoch.satellites])
+    told = ~np.isnan(dopplers_hz)
     if told.any():
-        stds_hz = _column([each.doppler_std_hz for each in satellites], DOPPLER_STD_HZ)
+        heard, seen = epoch.heard, epoch.expected
+        stds_hz = _column([each.doppler_std_hz for each in epoch.satellites], DOPPLER_STD_HZ)
         noise = np.square(stds_hz / heard.hz_per_mps)[told]
-        off_mps = dopplers_hz / heard.hz_per_mps - (expected.rates_mps - heard.clock_drifts_mps)
-        by_axes = expected.by_axes[told]
-        shared = shared_part(off_mps[told], noise, by_axes, antenna.velocity_variances)
-        doubt = _doubted(doubt, off_mps[told] - shared.value, noise, expected.rate_variances[told])
+        off_mps = dopplers_hz / heard.hz_per_mps - (seen.rates_mps - heard.clock_drifts_mps)
+        variances = epoch.antenna.velocity_variances
+        shared = shared_part(off_mps[told], noise, seen.by_axes[told], variances)
+        doubt = _doubted(doubt, off_mps[told] - shared.value, noise, seen.rate_variances[told])
     else:
         shared = _drift_of_offsets(before.offsets, offsets)
     if shared is not None:
+        t_ns = epoch.t_ns
         drift = ClockDrift.first(t_ns, shared) if drift is None else drift.told(t_ns, shared)
     return Learned(drift, {**before.offsets, **offsets}, doubt)
 
@@ -76,21 +80,19 @@ def _doubted(doubt: NoiseScale, off_mps: Floats, noise: Floats, claimed: Floats)
     return doubt
 
 
-def _offsets(
-    t_ns: int, satellites: list[RawSatellite], heard: Heard, antenna: Antenna, expected: Expected
-) -> dict[str, Offset]:
+def _offsets(epoch: Epoch) -> dict[str, Offset]:
+    satellites, seen = epoch.satellites, epoch.expected
     pseudoranges_m = _column([each.pseudorange_m for each in satellites])
     stds_m = _column([each.pseudorange_std_m for each in satellites], PSEUDORANGE_STD_M)
-    off_m = pseudoranges_m + heard.clock_biases_m - expected.ranges_m
-    place = np.full(3, antenna.place_std_m**2)
+    off_m = pseudoranges_m + epoch.heard.clock_biases_m - seen.ranges_m
+    place = np.full(3, epoch.antenna.place_std_m**2)
     offsets = {}
     for system in dict.fromkeys(each.system for each in satellites):
         rows = np.array([each.system == system for each in satellites]) & ~np.isnan(off_m)
         if rows.any():
-            shared = shared_part(
-                off_m[rows], np.square(stds_m[rows]), expected.by_axes[rows], place
-            )
-            offsets[system] = Offset(t_ns, shared.value, shared.variance)
+            noise = np.square(stds_m[rows])
+            shared = shared_part(off_m[rows], noise, seen.by_axes[rows], place)
+            offsets[system] = Offset(epoch.t_ns, shared.value, shared.variance)
     return offsets
 
 
