@@ -319,6 +319,27 @@ def tracking_command(
         plot_tracking(report, plot)
 
 
+@evaluate_app.command("aiding")
+def aiding_command(
+    drives: Drives,
+    *,
+    length: Annotated[float, typer.Option(min=1.0, help="Seconds without GPS.")] = 60.0,
+    every: Annotated[float, typer.Option(help="Seconds from outage to outage.")] = 180.0,
+    start: Annotated[float, typer.Option(min=0.0, help="Seconds before the first.")] = 240.0,
+    json: Json = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Dopplers that fusion predicts for a receiver's loops, with GPS and without."""
+    from wayline_evaluation.tracking.aiding_study import AidingPlan, aiding_study
+    from wayline_evaluation.tracking.aiding_table import aiding_table
+
+    check_targets(json, None)
+    with progress() as progressed:
+        plan = AidingPlan(length_s=length, every_s=every, start_s=start)
+        report = aiding_study(drives, plan, jobs, progressed)
+    _tell([aiding_table(report)], report, json)
+
+
 @evaluate_app.command("slope")
 def slope_command(
     drives: Drives,

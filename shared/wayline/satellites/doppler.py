@@ -12,14 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import Transformer
 
+from wayline.satellites.earth import EARTH_MU_M3PS2, EARTH_RATE_RADPS, SPEED_OF_LIGHT_MPS
+
 Floats = NDArray[np.float64]
 
-LIGHT_MPS = 299_792_458.0
 L1_HZ = 1_575.42e6
-EARTH_TURN_RADPS = 7.2921151467e-5
-"""IS-GPS-200."""
-EARTH_MU_M3PS2 = 3.986004418e14
-"""WGS84."""
 UNMODELLED_MPS2 = 1e-4
 """The Earth's flattening, the moon and the sun pull a satellite by less."""
 TO_ECEF = Transformer.from_crs("EPSG:4979", "EPSG:4978", always_xy=True)
@@ -100,7 +97,7 @@ def accelerations_mps2(places_m: Floats, velocities_mps: Floats) -> Floats:
     """Of satellites in the turning frame: the Earth's pull, centrifugal and Coriolis."""
     radius_m = np.sqrt(np.einsum("ij,ij->i", places_m, places_m))
     pull: Floats = -(EARTH_MU_M3PS2 / radius_m**3)[:, np.newaxis] * places_m
-    turn = EARTH_TURN_RADPS
+    turn = EARTH_RATE_RADPS
     pull[:, 0] += turn * (turn * places_m[:, 0] + 2.0 * velocities_mps[:, 1])
     pull[:, 1] += turn * (turn * places_m[:, 1] - 2.0 * velocities_mps[:, 0])
     return pull
@@ -144,7 +141,7 @@ def expected(antenna: Antenna, orbits: Orbits, t_ns: int) -> Expected:
     velocities_mps = orbits.velocities_mps + gained_mps
     places_m = orbits.places_m + after_s * (velocities_mps - 0.5 * gained_mps)
     rays_m = places_m - antenna.place_m
-    turned = EARTH_TURN_RADPS / LIGHT_MPS * np.sqrt(np.einsum("ij,ij->i", rays_m, rays_m))
+    turned = EARTH_RATE_RADPS / SPEED_OF_LIGHT_MPS * np.sqrt(np.einsum("ij,ij->i", rays_m, rays_m))
     rays_m[:, 0] += turned * places_m[:, 1]
     rays_m[:, 1] -= turned * places_m[:, 0]
     relative_mps = velocities_mps - antenna.velocity_mps

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wayline.messages import GpsRaw, RawSatellite
-from wayline.satellites.doppler import L1_HZ, LIGHT_MPS, Floats, Orbits, carried, orbits_of
+from wayline.satellites.doppler import L1_HZ, Floats, Orbits, carried, orbits_of
+from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
 
 KEPT_NS = 600_000_000_000
 """For so long gravity alone tells a satellite's motion to 0.06 m/s."""
@@ -107,7 +108,7 @@ def heard_of(satellites: list[RawSatellite], t_ns: int) -> Heard:
         names=tuple((each.system, each.prn) for each in satellites),
         orbits=orbits_of(table[:, :3], table[:, 3:6], times_ns),
         heard_ns=times_ns,
-        hz_per_mps=-table[:, 6] / LIGHT_MPS,
+        hz_per_mps=-table[:, 6] / SPEED_OF_LIGHT_MPS,
         clock_biases_m=table[:, 7],
         clock_drifts_mps=table[:, 8],
     )
