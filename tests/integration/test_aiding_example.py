@@ -44,19 +44,17 @@ def test_the_example_prints_where_to_search(endpoint: str) -> None:
     aid = Aiding(t_ns=at(0.0), satellites=(satellite,))
     heard = threading.Event()
     command = [sys.executable, "-c", example(), "bus-7", endpoint]
-    with (
-        open_session(BusSettings(connect=(endpoint,))) as session,
-        subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as reader,
-    ):
+    with open_session(BusSettings(connect=(endpoint,))) as session:
         publisher = session.declare_publisher(message_key("bus-7", Aiding.topic, "fusion"))
-        publisher.declare_matching_listener(lambda status: status.matching and heard.set())
-        if publisher.matching_status.matching or heard.wait(WAIT_S):
-            publisher.put(encode(aid))
-        else:
+        publisher.declare_matching_listener(lambda _: heard.set())
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as reader:
+            if heard.wait(WAIT_S):
+                publisher.put(encode(aid))
+            else:
+                reader.terminate()
+            assert reader.stdout is not None
+            line = reader.stdout.readline()
             reader.terminate()
-        assert reader.stdout is not None
-        line = reader.stdout.readline()
-        reader.terminate()
     assert line == "gps 12: search from -1235.5 to -1232.5 Hz\n"
 
 

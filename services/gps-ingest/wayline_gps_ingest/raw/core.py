@@ -12,9 +12,11 @@ from wayline.satellites.earth import SPEED_OF_LIGHT_MPS, turned
 from wayline.satellites.motion import Motions
 from wayline.times_ahead import TimesAhead
 from wayline_gps_ingest.onward_clock import OnwardClock
+from wayline_gps_ingest.raw.air import Air
 from wayline_gps_ingest.raw.clock_jumps import ClockJumps
 from wayline_gps_ingest.raw.epoch import RawEpoch
 from wayline_gps_ingest.raw.measured import place_of
+from wayline_gps_ingest.raw.sky import Sky
 
 MOTION = ("vx_mps", "vy_mps", "vz_mps")
 
@@ -24,7 +26,8 @@ class RawIngestCore:
 
     `corrected`: what the numbers have behind them already. Where that is the earth's turn, places
     are turned back to the frame of the transmission; where it is the satellites' clocks, a clock
-    that is told beside them is left out. Motions that are not told are differenced from places.
+    that is told beside them is left out. Motions that are not told are differenced from places;
+    directions that are not told follow from a rough place of the receiver, as does what `air` adds.
     Times far ahead wait for others that agree, as `GpsIngestCore`'s do.
     """
 
@@ -35,10 +38,12 @@ class RawIngestCore:
         self,
         corrected: Collection[Correction] = (),
         *,
+        air: Air | None = None,
         recorded: bool = False,
         clock_from_ns: int = EARLIEST_NS,
     ) -> None:
         self._corrected = frozenset(corrected)
+        self._sky = Sky(None if "atmosphere" in self._corrected else air)
         self._ahead = TimesAhead[RawEpoch](doubts_start=recorded)
         self._clock_from_ns = clock_from_ns
         self._clock = OnwardClock()
@@ -88,8 +93,9 @@ class RawIngestCore:
         leapt = self._jumps.leapt_ms(epoch.t_ns, epoch.satellites) != 0
         is_reset = epoch.clock_reset or leapt
         self._resets += is_reset
-        satellites = tuple(self._of_one_kind(t_ns, each) for each in epoch.satellites)
-        return GpsRaw(t_ns=t_ns, satellites=satellites, clock_reset=is_reset)
+        alike = [self._of_one_kind(t_ns, each) for each in epoch.satellites]
+        seen = self._sky.seen(t_ns, alike)
+        return GpsRaw(t_ns=t_ns, satellites=seen, clock_reset=is_reset)
 
     def _of_one_kind(self, t_ns: int, satellite: RawSatellite) -> RawSatellite:
         place_m = place_of(satellite)

@@ -6,10 +6,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+import msgspec
+
 from wayline.csv_file import CsvFile, Row, number_of, place_in
 from wayline.drive import AvlColumn, Column, RawColumns, RawSource
+from wayline.errors import InputError
 from wayline.messages import RawSatellite
 from wayline.table_time import table_time_ns, zone_of
+from wayline_gps_ingest.raw.ephemerides import Placing
 from wayline_gps_ingest.raw.epoch import RawEpoch
 from wayline_gps_ingest.raw.gathering import gathered
 from wayline_gps_ingest.raw.measured import raw_satellite
@@ -23,21 +27,38 @@ SEEN = {"1": True, "true": True, "los": True, "0": False, "false": False, "nlos"
 class RawTable:
     """A table, read once, as epochs in order of time.
 
-    It is CSV as `wayline.csv_file` reads it, its times as `wayline.table_time` does. Rows are
-    counted in `faults` where they are left out: `row` (no time or no satellite in it), `empty`
-    (nothing measured), `late`, `twice`, and `broken` a packed file that could not be unpacked to
-    its end. Iterating raises InputError for a file that cannot be read, an unknown timezone, or a
-    named column that is not in the header.
+    It is CSV as `wayline.csv_file` reads it, its times as `wayline.table_time` does. `placing`
+    gives satellites the places that the table does not tell. Rows are counted in `faults` where
+    they are left out: `row` (no time or no satellite in it), `empty` (nothing measured), `late`,
+    `twice`; `broken` is a packed file that could not be unpacked to its end. Iterating raises
+    InputError for a file that cannot be read, an unknown timezone, or a named column that is not
+    in the header.
     """
 
-    def __init__(self, source: RawSource, columns: RawColumns) -> None:
+    def __init__(
+        self, source: RawSource, columns: RawColumns, placing: Placing | None = None
+    ) -> None:
         self._source = source
         self._columns = columns
+        self._placing = placing
         self.faults: Counter[str] = Counter()
-        self.rows = 0
+        self._rows = 0
 
     def __iter__(self) -> Iterator[RawEpoch]:
-        yield from gathered(self._measured(), self.faults)
+        placing = self._placing
+        for epoch in gathered(self._measured(), self.faults):
+            if placing is None:
+                yield epoch
+            else:
+                satellites = placing.satellites(epoch.t_ns, epoch.satellites)
+                yield msgspec.structs.replace(epoch, satellites=satellites)
+
+    def nothing(self) -> InputError:
+        """Why it holds no epoch."""
+        counted = ", ".join(f"{times:,} {why}" for why, times in sorted(self.faults.items()))
+        what = f"none of its {self._rows:,} rows measures a satellite ({counted or 'it is empty'})"
+        mend = "check its columns: time ISO 8601 or Unix seconds, prn, pseudorange_m or doppler_hz"
+        return InputError(self._source.path, what, mend)
 
     def _measured(self) -> Iterator[tuple[int, RawSatellite]]:
         source = self._source
@@ -47,7 +68,7 @@ class RawTable:
         places = _places(self._columns, next(rows, Row(1, [])).cells, source.path)
         last_ns = 0
         for row in rows:
-            self.rows += 1
+            self._rows += 1
             read = places.read(row, zone, last_ns)
             if isinstance(read, str):
                 self.faults[read] += 1
