@@ -121,6 +121,8 @@ class FusionCore:
         events = self._intake.fix(fix, source)
         if not events:
             return ()
+        if fix.geoid_sep_m is not None:
+            self._aider.geoid_sep_m = fix.geoid_sep_m
         self._fix_delay_ns = max(self._estimator.progress.t_ns - fix.t_ns, 0)
         self._add(*events)
         # after a late fix the state is not that of its instant but of the last event
@@ -129,8 +131,8 @@ class FusionCore:
             return [self._outputs.status(fix.t_ns)]
         return [self._pose(now_ns, has_can=False), self._outputs.status(fix.t_ns)]
 
-    def _gps_raw(self, raw: GpsRaw, _: str) -> Sequence[Message]:
-        self._aider.take(raw)
+    def _gps_raw(self, raw: GpsRaw, source: str) -> Sequence[Message]:
+        self._aider.take(raw, source)
         return ()
 
     def _barometer(self, barometer: Barometer, source: str) -> Sequence[Message]:

@@ -78,7 +78,7 @@ class Outputs:
     def carried(self) -> AntennaMotion | None:
         """How a receiver's antenna moves; None while place, heading or speed are unknown.
 
-        An altitude that is not known is that of the sea: to a satellite's Doppler it is the same.
+        Its height is above mean sea level; where none is known it is 0, and as unsure.
         """
         motion, height = (
             self._estimator.motion(),

@@ -233,6 +233,74 @@ def test_satellites_without_place_or_motion_are_left_out() -> None:
     assert prns == set(range(3, len(SKY.nodes) + 1))
 
 
+@pytest.mark.parametrize(
+    "garbage",
+    [
+        {"x_m": 0.0, "y_m": 0.0, "z_m": 0.0},
+        {"x_m": 9e8},
+        {"vx_mps": 9e8},
+        {"carrier_hz": 1.0, "doppler_hz": 1e9},
+    ],
+)
+def test_garbage_of_one_satellite_leaves_the_others_as_they_are(garbage: dict[str, float]) -> None:
+    def spoilt(message: Message) -> Message:
+        if not isinstance(message, GpsRaw):
+            return message
+        first, *rest = message.satellites
+        bad = msgspec.structs.replace(first, prn=99, **garbage)
+        return msgspec.structs.replace(message, satellites=(bad, *rest))
+
+    aided = driven(circle, 40.0, change=spoilt)
+    for aid in aided.aids[-30:-11]:
+        true_hz = SKY.dopplers_hz(aided.way, clock_m, seconds_of(aid.t_ns))
+        told = [each for each in aid.satellites if each.prn != 99]
+        assert len(told) == len(SKY.nodes) - 1
+        assert rms(np.array([each.doppler_hz - true_hz[each.prn - 1] for each in told])) < 3.0
+
+
+def test_an_epoch_far_ahead_holds_none_back() -> None:
+    def with_one_ahead(message: Message) -> Message:
+        if isinstance(message, GpsRaw) and message.t_ns == at(3.0):
+            return msgspec.structs.replace(message, t_ns=at(1e6))
+        return message
+
+    assert driven(circle, 20.0, change=with_one_ahead).aids
+
+
+def test_a_clock_that_is_set_by_a_millisecond_is_no_drift() -> None:
+    """Of a receiver that tells no Doppler, where offsets tell the drift."""
+
+    def setting(message: Message) -> Message:
+        if not isinstance(message, GpsRaw):
+            return message
+        set_m = 299_792.458 if seconds_of(message.t_ns) > 50.0 else 0.0
+        satellites = (
+            msgspec.structs.replace(
+                each, doppler_hz=None, pseudorange_m=(each.pseudorange_m or 0.0) - set_m
+            )
+            for each in message.satellites
+        )
+        return msgspec.structs.replace(message, satellites=tuple(satellites))
+
+    off, _ = driven(winding, 60.0, change=setting).errors_hz(45.0, 60.0)
+    assert rms(off) < 5.0
+
+
+def test_a_second_receiver_with_another_clock_changes_nothing() -> None:
+    truths = truth_of(circle, 30.0)
+    way = Way(truths)
+    node = Node("fusion", FusionCore(Tuning()))
+    drifts: list[float | None] = []
+    for message in with_epochs(messages_of(circle, truths, MEMS), SKY, way):
+        drifts += [aid.clock_drift_mps for aid in only(node.take(message, "first"), Aiding)]
+        if isinstance(message, GpsRaw):
+            seconds = seconds_of(message.t_ns)
+            other = epoch(SKY, way, lambda seconds: -300.0 * seconds, seconds)
+            drifts += [aid.clock_drift_mps for aid in only(node.take(other, "second"), Aiding)]
+    assert drifts
+    assert all(drift == about(80.0, 3.0) for drift in drifts)
+
+
 def test_nothing_is_told_without_epochs() -> None:
     def silent(message: Message) -> Message | None:
         return None if isinstance(message, GpsRaw) else message

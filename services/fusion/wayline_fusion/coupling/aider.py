@@ -20,6 +20,8 @@ from wayline_fusion.coupling.past import Past
 
 WAITING = 16
 """Epochs that are newer than the last tick; more are none."""
+SILENT_NS = 10_000_000_000
+"""A receiver that has told nothing for so long no longer keeps another from being aided."""
 
 
 class Aider:
@@ -27,17 +29,26 @@ class Aider:
 
     Where satellites are, an epoch tells; from then on gravity does, for ten minutes. The receiver's
     clock is what the Dopplers have in common. How wrong the pose's velocity is, in units of its
-    own std, shows in what they have not: an aid that has been wrong says so.
+    own std, shows in what they have not: an aid that has been wrong says so. Of several receivers
+    the first is aided, as long as it tells anything: each has a clock of its own.
     """
 
     def __init__(self) -> None:
+        self.geoid_sep_m = 0.0
+        """Of the geoid above the ellipsoid, which satellites' places are told of."""
         self._past = Past()
         self._waiting: deque[GpsRaw] = deque(maxlen=WAITING)
+        self._source, self._epoch_ns = "", 0
         self._heard = NOTHING_HEARD
         self._learned = Learned()
 
-    def take(self, epoch: GpsRaw) -> None:
-        """An epoch, which is used once the tick after it has come."""
+    def take(self, epoch: GpsRaw, source: str) -> None:
+        """An epoch of a receiver, which is used once the tick after it has come."""
+        if source != self._source:
+            if self._source and abs(epoch.t_ns - self._epoch_ns) <= SILENT_NS:
+                return
+            self._source, self._learned = source, Learned()
+        self._epoch_ns = epoch.t_ns
         self._waiting.append(epoch)
 
     @property
@@ -50,10 +61,11 @@ class Aider:
         if motion is None:
             self._waiting.clear()
             return ()
-        antenna = antenna_of(motion)
+        antenna = antenna_of(motion._replace(height_m=motion.height_m + self.geoid_sep_m))
         self._past.add(t_ns, antenna)
-        while self._waiting and self._waiting[0].t_ns <= t_ns:
-            self._use(self._waiting.popleft())
+        for epoch in [each for each in self._waiting if each.t_ns <= t_ns]:
+            self._waiting.remove(epoch)
+            self._use(epoch)
         self._heard = self._heard.at(t_ns)
         return (self._told(t_ns, antenna),) if self._heard.names else ()
 

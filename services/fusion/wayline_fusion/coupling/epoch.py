@@ -15,6 +15,8 @@ from wayline_fusion.coupling.heard import Heard
 
 DOPPLER_STD_HZ = 1.0
 """Of a receiver that claims none: 0.2 m/s."""
+CRYSTAL_MPS = 1e4
+"""No receiver's clock gains more, 33 ppm: it was set by a millisecond between two epochs."""
 PSEUDORANGE_STD_M = 10.0
 """Of a receiver that claims none, among houses."""
 
@@ -63,7 +65,7 @@ def learned(before: Learned, epoch: Epoch) -> Learned:
         doubt = _doubted(doubt, off_mps[told] - shared.value, noise, seen.rate_variances[told])
     else:
         shared = _drift_of_offsets(before.offsets, offsets)
-    if shared is not None:
+    if shared is not None and abs(shared.value) <= CRYSTAL_MPS:
         t_ns = epoch.t_ns
         drift = ClockDrift.first(t_ns, shared) if drift is None else drift.told(t_ns, shared)
     return Learned(drift, {**before.offsets, **offsets}, doubt)

@@ -1,5 +1,6 @@
 """Pure: the satellites that a receiver has told of, and where they are since."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +14,10 @@ KEPT_NS = 600_000_000_000
 """For so long gravity alone tells a satellite's motion to 0.06 m/s."""
 ANCHORED_NS = 10_000_000_000
 """Over so long an even acceleration is as good as the orbit."""
+
+NEAREST_M, FARTHEST_M = 6.6e6, 6e7
+"""From the Earth's centre: above its air, and beyond all that navigation satellites use."""
+FASTEST_MPS = 1e4
 
 Name = tuple[str, int]
 """System and number."""
@@ -76,12 +81,17 @@ def _rows(heard: Heard, chosen: NDArray[np.bool_]) -> Heard:
 
 
 def placed(epoch: GpsRaw) -> list[RawSatellite]:
-    """Those satellites of an epoch whose place and motion it tells."""
-    return [
-        each
-        for each in epoch.satellites
-        if None not in (each.x_m, each.y_m, each.z_m, each.vx_mps, each.vy_mps, each.vz_mps)
-    ]
+    """Those satellites of an epoch whose place and motion it tells, where these can be."""
+    return [each for each in epoch.satellites if _is_orbit(each)]
+
+
+def _is_orbit(told: RawSatellite) -> bool:
+    place, motion = (told.x_m, told.y_m, told.z_m), (told.vx_mps, told.vy_mps, told.vz_mps)
+    known = [value for value in (*place, *motion) if value is not None]
+    if len(known) < 6:
+        return False
+    radius_m, speed_mps = math.hypot(*known[:3]), math.hypot(*known[3:])
+    return NEAREST_M <= radius_m <= FARTHEST_M and speed_mps <= FASTEST_MPS
 
 
 def heard_of(satellites: list[RawSatellite], t_ns: int) -> Heard:
