@@ -17,7 +17,9 @@ from wayline.line import Floats
 from wayline.noise_scale import NoiseScale
 from wayline.tuning import Tuning
 from wayline.vertical.filter import VerticalFilter
+from wayline.vertical.loading import DOUBT_STD_SHARE, Loading
 from wayline.vertical.model import Pushed, Transition
+from wayline.vertical.smoother import rts
 from wayline.vertical.states import VerticalStates
 from wayline.vertical.trust import (
     LIKELY_PROBABILITY,
@@ -146,6 +148,7 @@ class _ForwardPass:
         self._curvature_std = start.curvature_std
         self._trust = [AltitudeTrust() for _ in range(receivers)]
         self._noise, self._slope_noise = NoiseScale(), NoiseScale()
+        self._loading = Loading()
         self._unbelievable = 0
         """Slopes beside a mass that the vehicle cannot have."""
         # without a barometer nothing but the road's own unrest tells noise from a hill
@@ -168,8 +171,7 @@ class _ForwardPass:
             moved = kalman.advance(steps_m[k], steps_s[k])
             F[k], Q[k] = self._take(nodes, k, moved)
             x[k], P[k] = kalman.x, kalman.P
-        smoothed_x, smoothed_P, _, _ = kalman.rts_smoother(x, P, Fs=F, Qs=Q)
-        return smoothed_x, smoothed_P
+        return rts(x, P, F, Q)
 
     def _take(self, nodes: _Nodes, k: int, moved: Transition) -> Transition:
         """Correct with what was measured; returns all that moved the state before that."""
@@ -177,10 +179,20 @@ class _ForwardPass:
         if sensor == BAROMETER:
             self._take_pressure(value, std)
         elif sensor <= FIRST_SLOPE:
-            return self._take_slope(value, std, self._windows[FIRST_SLOPE - sensor], moved)
+            window = self._windows[FIRST_SLOPE - sensor]
+            if window is not None:
+                moved = self._after_stand(round(1e9 * nodes.times_s[k]), moved)
+            return self._take_slope(value, std, window, moved)
         elif sensor != ASKED:
             return self._take_altitude(sensor, value, std, round(1e9 * nodes.times_s[k]), moved)
         return moved
+
+    def _after_stand(self, t_ns: int, moved: Transition) -> Transition:
+        """Doubt the mass where the vehicle may have been loaded."""
+        before, self._loading = self._loading, Loading(t_ns)
+        if not before.is_doubted(t_ns):
+            return moved
+        return moved._replace(Q=moved.Q + self._kalman.inflate_mass(DOUBT_STD_SHARE))
 
     def _take_slope(
         self, share: float, std: float, window: Window | None, moved: Transition

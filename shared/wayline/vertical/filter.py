@@ -34,7 +34,6 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         super().__init__(dim_x=self.model.size, dim_z=1)
         self._moved = self.model.transition(0.0, 0.0)
         self.F, self.Q = self._moved
-        self.inv = _inverse
 
     def add_receiver(self) -> None:
         """Make room for the slow error of one more."""
@@ -100,6 +99,13 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         self.P = self.P + gained
         return gained
 
+    def inflate_slope(self, std: float) -> Floats:
+        """Doubt the slope, a tangent. Returns what P gains."""
+        gained: Floats = np.zeros_like(self.P)
+        gained[S.SLOPE, S.SLOPE] = std**2
+        self.P = self.P + gained
+        return gained
+
     @property
     def mass(self) -> float:
         """True mass over the stated one."""
@@ -117,17 +123,18 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         return predicted
 
     def correct(self, measurement: Measurement) -> None:
-        """Update the state with a measurement that was made of it."""
-        H = measurement.H
-        z = measurement.y + H.dot(self.x)
-        self.update(float(z[0]), measurement.R, H)
+        """Update the state with a measurement of one number that was made of it.
+
+        As filterpy's update without its Joseph form and what it keeps of each step: a run is
+        corrected some ten thousand times.
+        """
+        H = measurement.H[0]
+        PH = self.P.dot(H)
+        expected = H.dot(PH) + measurement.R[0, 0]
+        self.x = self.x + PH * (measurement.y[0] / expected)
+        self.P = self.P - np.outer(PH, PH) / expected
 
     def std(self, state: int) -> float:
         """One sigma of a state, in the state's own unit."""
         variance: float = self.P.item(state, state)
         return 0.0 if variance < 0.0 else math.sqrt(variance)
-
-
-def _inverse(S: Floats) -> Floats:
-    """Of an innovation's covariance, a single number."""
-    return 1.0 / S

@@ -28,7 +28,9 @@ GRAVITY_MPS2 = 9.81
 MASS_ALONE_STD = 0.01
 """Of a mass that is taken as it is stated, as a share of it."""
 LOADED_AFTER_S = 300.0
-"""A vehicle that stands so long may have another load."""
+"""A vehicle that stands so long may weigh otherwise by as much as is not known of it at first."""
+STANDING_MPS = 0.1
+"""A vehicle that stands creeps by the noise of its position."""
 
 
 class Pushed(NamedTuple):
@@ -102,7 +104,8 @@ class VerticalModel:
         F[S.TORQUE_BIAS, S.TORQUE_BIAS] = F[S.OWN_BIAS, S.OWN_BIAS] = kept
         Q[S.TORQUE_BIAS, S.TORQUE_BIAS] = self._torque_bias_std**2 * (1.0 - kept**2)
         Q[S.OWN_BIAS, S.OWN_BIAS] = self._own_bias_std**2 * (1.0 - kept**2)
-        Q[S.INVERSE_MASS, S.INVERSE_MASS] = self._loading * elapsed_s if distance_m == 0.0 else 0.0
+        stands = abs(distance_m) <= STANDING_MPS * elapsed_s
+        Q[S.INVERSE_MASS, S.INVERSE_MASS] = self._loading * elapsed_s if stands else 0.0
         kept = math.exp(-elapsed_s / self._error_time_s)
         for state in range(S.GPS_ERROR, self.size):
             F[state, state], Q[state, state] = kept, 1.0 - kept**2
