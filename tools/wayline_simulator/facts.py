@@ -10,6 +10,7 @@ from wayline_simulator.gyro import GyroModel
 from wayline_simulator.happenings import Happenings
 from wayline_simulator.loads import LoadChange
 from wayline_simulator.odometer import OdometerModel
+from wayline_simulator.raw_model import RawModel
 from wayline_simulator.torque import TorqueModel
 from wayline_simulator.weather import Weather
 
@@ -30,6 +31,7 @@ class Facts(Strict, frozen=True, kw_only=True):
     """The vehicle's true mass; drive.toml has it with the model's error."""
     loads: tuple[LoadChange, ...] = ()
     """Where it became another one on the way."""
+    raw: RawModel | None = None
     happenings: Happenings = Happenings()
 
     @property

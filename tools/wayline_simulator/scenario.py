@@ -14,6 +14,7 @@ from wayline_simulator.driver import DriverModel
 from wayline_simulator.gps_events import GpsEvents
 from wayline_simulator.loads import LoadChange
 from wayline_simulator.presets import PRESETS, Preset
+from wayline_simulator.raw_model import RawModel
 from wayline_simulator.road_model import RoadModel
 from wayline_simulator.vehicle import VEHICLES, VehicleModel
 from wayline_simulator.weather import Weather
@@ -54,6 +55,8 @@ class Scenario(Strict, frozen=True, kw_only=True):
     odometer: Overlay = {}
     torque: Overlay = {}
     barometer: Overlay = {}
+    raw: RawModel | None = None
+    """What the receiver measures of each satellite; None: it keeps that to itself."""
     events: GpsEvents = msgspec.field(default_factory=GpsEvents)
     damage: Damage = msgspec.field(default_factory=Damage)
 

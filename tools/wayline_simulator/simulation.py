@@ -38,6 +38,7 @@ class Part(IntEnum):
     SENTENCE_DAMAGE = 6
     FRAME_DAMAGE = 7
     MASS = 8
+    RAW = 9
 
 
 class Run(NamedTuple):
@@ -113,4 +114,5 @@ def _facts(scenario: Scenario, models: Preset, weather: Weather, number: int) ->
         weather=weather,
         mass_kg=scenario.vehicle_model().mass_kg,
         loads=scenario.loads,
+        raw=scenario.raw if models.gps else None,
     )
