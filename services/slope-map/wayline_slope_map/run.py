@@ -13,13 +13,15 @@ from wayline_slope_map.altitudes import Measured, barometer_altitudes, gps_altit
 from wayline_slope_map.records import DrivenRun, FinishedRun, RunBin, Sensor
 from wayline_slope_map.roads import Road
 from wayline_slope_map.slopes import NO_SLOPES, run_slopes
-from wayline_slope_map.smoothing import Sensed, Smoothed, smooth
+from wayline_slope_map.smoothing import PASSES, Sensed, Smoothed, smooth
 from wayline_slope_map.stretches import cut
 from wayline_slope_map.track import Track
 from wayline_slope_map.walking_pace import is_driven
 
 NONE = np.empty(0)
 NOTHING = Measured(NONE, NONE, NONE, NONE, np.empty(0, dtype=np.intp))
+PASSES_ALONE = 2
+"""Over a run by one sensor, which is learned to be compared with the others."""
 REFERENCE_STEP_M = 20.0
 """Between the altitudes by the other sensors that a receiver's are compared with."""
 SENSORS: tuple[Sensor, ...] = get_args(Sensor)
@@ -102,7 +104,8 @@ def smoothed_by_sensor(
     }
     sensors = {}
     for sensor in wanted:
-        smoothed = smooth(choices[sensor], times_s, travelled_m, tuning)
+        passes = PASSES if sensor == "fused" else PASSES_ALONE
+        smoothed = smooth(choices[sensor], times_s, travelled_m, tuning, passes)
         if smoothed is not None:
             sensors[sensor] = smoothed
     return sensors

@@ -56,6 +56,12 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         self.predict()
         return moved
 
+    def step(self, moved: Transition) -> None:
+        """Predict over a step, without what filterpy keeps of it."""
+        F, Q = moved
+        self.x = F.dot(self.x)
+        self.P = F.dot(self.P).dot(F.T) + Q
+
     def project_error(self, receiver: int, before_m: float, std_m: float) -> Transition | None:
         """Renew a receiver's slow error where its std is another one; None where it is not.
 
@@ -130,9 +136,10 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         """
         H = measurement.H[0]
         PH = self.P.dot(H)
-        expected = H.dot(PH) + measurement.R[0, 0]
-        self.x = self.x + PH * (measurement.y[0] / expected)
-        self.P = self.P - np.outer(PH, PH) / expected
+        std = math.sqrt(H.dot(PH) + measurement.R[0, 0])
+        root = PH / std
+        self.x = self.x + root * (measurement.y[0] / std)
+        self.P = self.P - root[:, np.newaxis] * root
 
     def std(self, state: int) -> float:
         """One sigma of a state, in the state's own unit."""
