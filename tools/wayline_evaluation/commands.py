@@ -348,37 +348,63 @@ def aiding_command(
 def slope_command(
     drives: Drives,
     *,
+    reference: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.csv",
+            help="The road's grade by place (as slope export writes it) in place of the truth.",
+        ),
+    ] = None,
+    resolution: Annotated[
+        list[float] | None,
+        typer.Option(
+            min=1.0, max=100.0, help="Length of the map's bins, m [default: 1 20 100]; repeatable."
+        ),
+    ] = None,
     out: Out = None,
     json: Json = None,
     plot: Plot = None,
     jobs: Jobs = 1,
     yardstick: Yardstick = False,
 ) -> None:
-    """Grade from each sensor alone (papers/004) and from fusion, on runs of one road."""
-    from wayline_evaluation.plots import plot_slope
+    """Grade from each sensor alone and from all, live and in the map, on runs of one road.
+
+    Against the truth, a reference, or, where there is neither, run against run.
+    """
     from wayline_evaluation.replays import Options
-    from wayline_evaluation.slope_study import slope_study
-    from wayline_evaluation.tables import slope_tables
+    from wayline_evaluation.slope_plot import plot_slope
+    from wayline_evaluation.slope_reference import read_road
+    from wayline_evaluation.slope_study import RESOLUTIONS_M, slope_study
+    from wayline_evaluation.slope_table import slope_tables
 
     check_targets(json, plot)
-    with progress() as progressed:
-        options = Options(out=out, jobs=jobs, yardstick=yardstick)
-        report, profiles = slope_study(drives, options, progressed)
+    road = None if reference is None else read_road(reference)
+    with progress("drives") as progressed:
+        report, profiles, drivings = slope_study(
+            drives,
+            Options(out=out, jobs=jobs, yardstick=yardstick),
+            progressed,
+            reference=road,
+            resolutions_m=tuple(sorted(set(resolution or RESOLUTIONS_M))),
+        )
     _tell(slope_tables(report), report, json)
     if plot is not None:
-        plot_slope(profiles, plot)
+        plot_slope(profiles, [driving.mass_kg for driving in drivings], plot)
 
 
 @evaluate_app.command("slope-map")
-def slope_map_command(drives: Drives, *, json: Json = None) -> None:
+def slope_map_command(drives: Drives, *, json: Json = None, plot: Plot = None) -> None:
     """The slope map after each of several drives over one road, beside the first one's truth."""
     from wayline_evaluation.slope_map_study import map_study
-    from wayline_evaluation.tables import slope_map_tables
+    from wayline_evaluation.slope_plot import plot_slope_map
+    from wayline_evaluation.slope_table import slope_map_tables
 
-    check_targets(json, None)
+    check_targets(json, plot)
     with progress() as progressed:
-        report = map_study(drives, progressed)
+        report, shown = map_study(drives, progressed)
     _tell(slope_map_tables(report), report, json)
+    if plot is not None:
+        plot_slope_map(report, shown, plot)
 
 
 @evaluate_app.command("sensors")
