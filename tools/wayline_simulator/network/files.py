@@ -1,5 +1,6 @@
 """Writes a simulated network: its feed, and a drive folder for each bus and day."""
 
+import datetime as dt
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
@@ -36,13 +37,23 @@ path = "{truth}"
 
 
 class DayFacts(msgspec.Struct, frozen=True, kw_only=True):
-    """What a bus's day was made with: all of it can be made again."""
+    """What a bus's day was made with, but its reports: it can be driven again."""
 
-    network: NetworkModel
+    seed: int
+    hours: float
+    headway_min: int
+    start: dt.date
     vehicle: int
     """From 1."""
     number: int
     """Of the day, from 1."""
+
+    @property
+    def network(self) -> NetworkModel:
+        """The network that it drove in."""
+        return NetworkModel(
+            seed=self.seed, hours=self.hours, headway_min=self.headway_min, start=self.start
+        )
 
 
 class WrittenDay(NamedTuple):
@@ -99,7 +110,14 @@ def _write_day(model: NetworkModel, day: VehicleDay, folder: Path) -> None:
     _write_rows(folder / TRUTH_NAME, header, _truth(day, midnight_s))
     header = "trip_id,stop_id,stop_sequence,arrival_s,departure_s,stood"
     _write_rows(folder / VISITS_NAME, header, _visits(day, midnight_s))
-    facts = DayFacts(network=model, vehicle=day.vehicle, number=day.number)
+    facts = DayFacts(
+        seed=model.seed,
+        hours=model.hours,
+        headway_min=model.headway_min,
+        start=model.start,
+        vehicle=day.vehicle,
+        number=day.number,
+    )
     text = msgspec.json.format(msgspec.json.encode(facts), indent=2).decode()
     _write(folder / FACTS_NAME, text + "\n")
 
