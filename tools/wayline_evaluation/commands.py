@@ -233,10 +233,20 @@ def eta_command(
     database: Annotated[
         str | None, typer.Option(help="URL; each drive builds on what those before have taught.")
     ] = None,
+    from_lap: Annotated[
+        int, typer.Option(min=1, help="Score what was told from this lap or trip of a drive on.")
+    ] = 1,
     out: Out = None,
     json: Json = None,
     plot: Plot = None,
     jobs: Jobs = 1,
+    yardstick: Annotated[
+        bool,
+        typer.Option(
+            "--yardstick",
+            help="Compare with who is told a simulated network's streets, or all other laps.",
+        ),
+    ] = False,
 ) -> None:
     """How good predicted arrivals were, by minutes ahead, against when the vehicle came."""
     from wayline_evaluation.eta_plot import plot_eta
@@ -246,8 +256,8 @@ def eta_command(
 
     check_targets(json, plot)
     with progress() as progressed:
-        options = Options(out=out, jobs=jobs)
-        followed = Followed(tuple(route or ()), tuple(feed or ()), database)
+        options = Options(out=out, jobs=jobs, yardstick=yardstick)
+        followed = Followed(tuple(route or ()), tuple(feed or ()), database, from_lap)
         report, runs = eta_study(drives, followed, options, progressed)
     _tell(eta_tables(report), report, json)
     if plot is not None:
