@@ -327,7 +327,7 @@ def test_a_heading_that_is_wrong_shows_in_the_std() -> None:
     assert rms(off) < 3.0 * rms(after)
 
 
-@pytest.mark.parametrize("architecture", ["uncoupled", "gps_only"])
+@pytest.mark.parametrize("architecture", ["measurement", "uncoupled", "gps_only"])
 def test_every_architectures_velocity_aids(architecture: str) -> None:
     tuning = msgspec.convert({"architecture": architecture}, Tuning)
     off, _ = driven(straight, 90.0, Sensors(), tuning=tuning).errors_hz(60.0, 90.0)

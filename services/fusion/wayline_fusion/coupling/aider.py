@@ -85,7 +85,7 @@ class Aider:
         drift_mps, drift_variance = (drift.mps, drift.variance_at(t_ns)) if drift else (0.0, 0.0)
         rates_mps = seen.rates_mps + (drift_mps - heard.clock_drifts_mps)
         age_mps = UNMODELLED_MPS2 * 1e-9 * (t_ns - heard.heard_ns)
-        variances = self._learned.doubt.factor * seen.rate_variances + drift_variance + age_mps**2
+        variances = self._learned.doubt_at(t_ns) * seen.rate_variances + drift_variance + age_mps**2
         rows = zip(
             heard.names,
             seen.ups.tolist(),

@@ -29,6 +29,12 @@ class Offset(NamedTuple):
     variance: float
 
 
+DOUBT_MIN = 0.1
+"""A pose's velocity may be a third of its std off, which wheels that are rounded make large."""
+SEEN_S = 10.0
+"""An aid that is better than it claims is so for about as long after it was last seen to be."""
+
+
 class Epoch(NamedTuple):
     """What was measured at an instant and what was expected, a row each satellite."""
 
@@ -47,11 +53,21 @@ class Learned(msgspec.Struct, frozen=True):
     """By system: each has a time of its own."""
     doubt: NoiseScale = NoiseScale()
     """Factor on the variance that the pose claims for its velocity along lines of sight."""
+    seen_ns: int = 0
+    """Of the last epoch that has told it."""
+
+    def doubt_at(self, t_ns: int) -> float:
+        """The factor at an instant: who is not held against satellites claims what it claims."""
+        factor = self.doubt.factor
+        if factor >= 1.0:
+            return factor
+        return 1.0 - (1.0 - factor) * math.exp((self.seen_ns - t_ns) * 1e-9 / SEEN_S)
 
 
 def learned(before: Learned, epoch: Epoch) -> Learned:
     """With what one more epoch tells of the clock and of the aid."""
-    drift, doubt, offsets = before.drift, before.doubt, _offsets(epoch)
+    drift, doubt, seen_ns = before.drift, before.doubt, before.seen_ns
+    offsets = _offsets(epoch)
     shared: Shared | None
     dopplers_hz = _column([each.doppler_hz for each in epoch.satellites])
     told = ~np.isnan(dopplers_hz)
@@ -62,13 +78,14 @@ def learned(before: Learned, epoch: Epoch) -> Learned:
         off_mps = dopplers_hz / heard.hz_per_mps - (seen.rates_mps - heard.clock_drifts_mps)
         variances = epoch.antenna.velocity_variances
         shared = shared_part(off_mps[told], noise, seen.by_axes[told], variances)
+        seen_ns = epoch.t_ns
         doubt = _doubted(doubt, off_mps[told] - shared.value, noise, seen.rate_variances[told])
     else:
         shared = _drift_of_offsets(before.offsets, offsets)
     if shared is not None and abs(shared.value) <= CRYSTAL_MPS:
         t_ns = epoch.t_ns
         drift = ClockDrift.first(t_ns, shared) if drift is None else drift.told(t_ns, shared)
-    return Learned(drift, {**before.offsets, **offsets}, doubt)
+    return Learned(drift, {**before.offsets, **offsets}, doubt, seen_ns)
 
 
 def _column(values: list[float | None], unknown: float = math.nan) -> Floats:
@@ -78,7 +95,7 @@ def _column(values: list[float | None], unknown: float = math.nan) -> Floats:
 def _doubted(doubt: NoiseScale, off_mps: Floats, noise: Floats, claimed: Floats) -> NoiseScale:
     """What is left of single satellites is the velocity's error, seen along their lines."""
     for square, own, by_pose in zip(np.square(off_mps), noise, claimed, strict=True):
-        doubt = doubt.learned(float(square), float(own), float(by_pose), 1.0)
+        doubt = doubt.learned(float(square), float(own), float(by_pose), DOUBT_MIN)
     return doubt
 
 
