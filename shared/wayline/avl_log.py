@@ -1,24 +1,17 @@
 """Reads a CSV of a transit system's position reports, by the mapping of an `[[avl]]` table."""
 
-import datetime as dt
-import re
 import zoneinfo
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from wayline.csv_file import CsvFile, Row, number_of
+from wayline.csv_file import CsvFile, Row, number_of, place_in
 from wayline.drive import AvlColumn, AvlSource, Column
 from wayline.errors import InputError
 from wayline.inputs import PositionReport
-from wayline.messages import EARLIEST_NS, LATEST_NS
+from wayline.table_time import table_time_ns, zone_of
 
-MILLISECONDS_FROM = 1e11
-"""Plain numbers from here on are Unix time in milliseconds, below in seconds."""
 NUMBERS = ("lat_deg", "lon_deg", "heading_deg", "speed_mps", "satellites", "hdop", "pdop")
-REPEATED_NS = 2 * 3_600 * 1_000_000_000
-"""A row earlier by more is not one of the hour that the end of summer time repeats."""
-DAY_FIRST = re.compile(r"^(\d\d)\.(\d\d)\.(\d{4})(?!\d)")
 
 
 class ReportLog:
@@ -40,7 +33,7 @@ class ReportLog:
 
     def __iter__(self) -> Iterator[PositionReport | None]:
         source = self._source
-        zone = _zone(source)
+        zone = zone_of(source.timezone, f"[[avl]] {source.path}")
         file = CsvFile(Path(source.path))
         rows = file.rows()
         places = _places(source, next(rows, Row(1, [])).cells)
@@ -59,17 +52,6 @@ class ReportLog:
 def read_reports(source: AvlSource) -> Iterator[PositionReport | None]:
     """The rows of a table, as `ReportLog` reads them. Raises InputError."""
     yield from ReportLog(source)
-
-
-def _zone(source: AvlSource) -> zoneinfo.ZoneInfo:
-    try:
-        return zoneinfo.ZoneInfo(source.timezone)
-    except (zoneinfo.ZoneInfoNotFoundError, ValueError, OSError):
-        raise InputError(
-            f"[[avl]] {source.path}",
-            f"unknown timezone {source.timezone!r}",
-            'give an IANA name such as "America/New_York"',
-        ) from None
 
 
 class _Places(NamedTuple):
@@ -97,13 +79,7 @@ def _places(source: AvlSource, header: list[str]) -> _Places:
         raise InputError(source.path, "no columns are named", "add columns to its [[avl]]")
 
     def place(name: str, purpose: str) -> int:
-        if name.strip() not in header:
-            raise InputError(
-                source.path,
-                f"no column {name} for {purpose}",
-                f"name one of its columns: {', '.join(header) or 'none, the file is empty'}",
-            )
-        return header.index(name.strip())
+        return place_in(header, name, purpose, source.path)
 
     time = place(columns.time, "time")
     numbers: dict[str, tuple[int, float]] = {}
@@ -124,7 +100,7 @@ def _places(source: AvlSource, header: list[str]) -> _Places:
 def _report(
     places: _Places, row: Row, zone: zoneinfo.ZoneInfo, last_ns: int
 ) -> PositionReport | None:
-    t_ns = _time_ns(_cell(row, places.time), zone, last_ns)
+    t_ns = table_time_ns(_cell(row, places.time), zone, last_ns)
     numbers = {
         name: number * scale
         for name, (at, scale) in places.numbers.items()
@@ -134,34 +110,3 @@ def _report(
         return None
     assignment = _cell(row, places.assignment) or None
     return PositionReport(t_ns=t_ns, assignment=assignment, received_ns=None, **numbers)
-
-
-def _time_ns(text: str, zone: zoneinfo.ZoneInfo, last_ns: int) -> int | None:
-    unix = number_of(text)
-    if unix is not None:
-        per_unit = 1_000 if unix >= MILLISECONDS_FROM else 1_000_000
-        return _plausible(round(unix * per_unit) * 1_000)
-    try:
-        written = dt.datetime.fromisoformat(_iso(text))
-    except ValueError:
-        return None
-    if written.tzinfo is not None:
-        return _plausible(_unix_ns(written))
-    t_ns = _unix_ns(written.replace(tzinfo=zone))
-    if 0 < last_ns - t_ns < REPEATED_NS:
-        t_ns = max(t_ns, _unix_ns(written.replace(tzinfo=zone, fold=1)))
-    return _plausible(t_ns)
-
-
-def _iso(text: str) -> str:
-    """Year first or, with dots, day first; what has the month first is not told from either."""
-    return DAY_FIRST.sub(r"\3-\2-\1", text.replace("/", "-"), count=1)
-
-
-def _plausible(t_ns: int) -> int | None:
-    return t_ns if EARLIEST_NS <= t_ns <= LATEST_NS else None
-
-
-def _unix_ns(instant: dt.datetime) -> int:
-    since = instant - dt.datetime(1970, 1, 1, tzinfo=dt.UTC)
-    return (since.days * 86_400 + since.seconds) * 1_000_000_000 + since.microseconds * 1_000

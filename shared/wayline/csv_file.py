@@ -2,7 +2,7 @@
 
 import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from io import TextIOWrapper
 from pathlib import Path
@@ -46,6 +46,14 @@ class CsvFile:
                 yield from _rows(text)
         except csv.Error as error:
             raise InputError(str(self._path), f"is not CSV ({error})", "check the file") from None
+
+
+def place_in(header: Sequence[str], name: str, purpose: str, where: str) -> int:
+    """Where in a table's rows the column of that name stands. Raises InputError without one."""
+    if name.strip() in header:
+        return header.index(name.strip())
+    mend = f"name one of its columns: {', '.join(header) or 'none, the file is empty'}"
+    raise InputError(where, f"no column {name} for {purpose}", mend)
 
 
 def number_of(text: str) -> float | None:

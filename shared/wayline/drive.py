@@ -2,7 +2,7 @@
 
 import datetime as dt
 from collections.abc import Mapping
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta
@@ -149,6 +149,61 @@ class AvlSource(Strict, frozen=True, kw_only=True):
     license_plate, trip_id, route_id."""
 
 
+RawFormat = Literal["ubx", "rinex", "csv"]
+Correction = Literal["atmosphere", "satellite_clock", "earth_rotation"]
+
+
+class RawColumns(Strict, frozen=True, kw_only=True):
+    """Names of the columns of a CSV of raw measurements, one satellite a row.
+
+    All but `time` are fields of `wayline.messages.RawSatellite`, in their units.
+    """
+
+    time: str
+    prn: str
+    """A number, or as RINEX writes it with its system: G12."""
+    system: str | None = None
+    """gps, glonass, ... or RINEX's letter; without it `prn` tells, else it is gps."""
+    pseudorange_m: Column | None = None
+    pseudorange_std_m: Column | None = None
+    doppler_hz: Column | None = None
+    doppler_std_hz: Column | None = None
+    cn0_dbhz: Column | None = None
+    carrier_hz: Column | None = None
+    elevation_deg: Column | None = None
+    azimuth_deg: Column | None = None
+    line_of_sight: str | None = None
+    x_m: Column | None = None
+    y_m: Column | None = None
+    z_m: Column | None = None
+    vx_mps: Column | None = None
+    vy_mps: Column | None = None
+    vz_mps: Column | None = None
+    clock_bias_m: Column | None = None
+    clock_drift_mps: Column | None = None
+
+
+class RawSource(Strict, frozen=True, kw_only=True):
+    """`[[raw]]`: what a receiver measured of each satellite, before any fix."""
+
+    path: str
+    format: RawFormat | None = None
+    """Known by its content where it is not said; `columns` make it csv."""
+    nav: str | tuple[str, ...] = ()
+    """RINEX navigation files: satellites' orbits and clocks."""
+    columns: RawColumns | None = None
+    timezone: str = "UTC"
+    """Of times in a table that carry no offset."""
+    corrected: tuple[Correction, ...] = ()
+    """What the pseudoranges of a table have behind them already. `earth_rotation`: they fit the
+    places as these are told, whatever the Earth turned while the signal travelled."""
+
+    @property
+    def navs(self) -> tuple[str, ...]:
+        """None, one or several."""
+        return (self.nav,) if isinstance(self.nav, str) else self.nav
+
+
 class Vehicle(Strict, frozen=True, kw_only=True):
     """`[vehicle]`: what the torque slope and the filters need; the defaults are a car's."""
 
@@ -215,6 +270,7 @@ class Drive(Strict, frozen=True, kw_only=True):
     nmea: tuple[NmeaSource, ...] = ()
     can: tuple[CanSource, ...] = ()
     avl: tuple[AvlSource, ...] = ()
+    raw: tuple[RawSource, ...] = ()
     vehicle: Vehicle = msgspec.field(default_factory=Vehicle)
     tuning: Tuning = msgspec.field(default_factory=Tuning)
     route: RouteRef | None = None

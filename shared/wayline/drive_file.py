@@ -20,8 +20,8 @@ def load_drive(folder: Path) -> Drive:
     if not path.exists():
         raise InputError(str(folder), "no drive.toml there", "name a drive's folder")
     drive = fitted(with_profiles(read_toml(path), str(path)), Drive, str(path))
-    if not (drive.nmea or drive.can or drive.avl):
-        raise InputError(str(path), "no input", "add a [[nmea]], [[can]] or [[avl]] table")
+    if not (drive.nmea or drive.can or drive.avl or drive.raw):
+        raise InputError(str(path), "no input", "add a [[nmea]], [[can]], [[avl]] or [[raw]] table")
     for position, can in enumerate(drive.can, start=1):
         if not can.paths:
             raise InputError(f"{path} [[can]] {position}", "path is empty", "name a recording")
@@ -50,6 +50,10 @@ def load_drive(folder: Path) -> Drive:
         avl=tuple(
             replace(avl, path=found(avl.path, may_be_folder=avl.columns is None))
             for avl in drive.avl
+        ),
+        raw=tuple(
+            replace(raw, path=found(raw.path), nav=tuple(found(name) for name in raw.navs))
+            for raw in drive.raw
         ),
         route=RouteRef(path=tuple(map(found, drive.route.paths))) if drive.route else None,
         truth=located(drive.truth),

@@ -17,6 +17,17 @@ class LiveNmea(Strict, frozen=True, kw_only=True):
     """Of a serial line; found by itself where it is not given."""
 
 
+class LiveRaw(Strict, frozen=True, kw_only=True):
+    """`[[raw]]`: a u-blox receiver that sends RXM-RAWX and RXM-SFRBX."""
+
+    url: Annotated[str, Meta(pattern=r"^(serial|tcp|udp)://")]
+    """serial:///dev/ttyACM0, tcp://host:port or udp://:port"""
+    baud: Annotated[int, Meta(gt=0)] | None = None
+    """Of a serial line; found by itself where it is not given."""
+    nav: tuple[str, ...] = ()
+    """RINEX navigation files, in place of what the receiver hears; relative to this file."""
+
+
 class LiveAvl(Strict, frozen=True, kw_only=True):
     """`[[avl]]`: the vehicles of an agency, as GTFS-Realtime vehicle positions."""
 

@@ -41,6 +41,8 @@ SignedSpeed = Annotated[float, Meta(ge=-SPEED_MAX_MPS, le=SPEED_MAX_MPS)]
 Std = Annotated[float, Meta(ge=0.0, le=STD_MAX)]
 ReceiverStd = Annotated[float, Meta(gt=0.0, le=STD_MAX)]
 """A receiver that claims 0 tells nothing."""
+Carrier = Annotated[float, Meta(gt=0.0, le=1e11)]
+"""Of radio, in Hz: beyond what other quantities may be."""
 Text = Annotated[str, Meta(max_length=TEXT_MAX)]
 AtMost = Meta(max_length=LIST_MAX)
 
@@ -129,7 +131,7 @@ class RawSatellite(msgspec.Struct, frozen=True, kw_only=True):
     """Positive when the satellite approaches."""
     doppler_std_hz: ReceiverStd | None = None
     cn0_dbhz: NonNegative | None = None
-    carrier_hz: Positive | None = None
+    carrier_hz: Carrier | None = None
     elevation_deg: Quantity | None = None
     azimuth_deg: Quantity | None = None
     line_of_sight: bool | None = None
@@ -151,6 +153,9 @@ class GpsRaw(Message, frozen=True, kw_only=True):
     rate_hz: ClassVar[float] = 1.0
 
     satellites: Annotated[tuple[RawSatellite, ...], AtMost] = ()
+    clock_reset: bool = False
+    """The receiver has set its clock since the last epoch, mostly by whole milliseconds: all
+    pseudoranges leapt together, by as many light milliseconds."""
 
 
 class Odometer(Message, frozen=True, kw_only=True):

@@ -17,7 +17,7 @@ class Received(NamedTuple):
 
     received_ns: int
     order: int
-    """Of its source among the drive's sources: nmea, avl, can; settles ties."""
+    """Of its source among the drive's sources: nmea, avl, raw, can; settles ties."""
     source: str
     message: Message
 

@@ -11,7 +11,7 @@ from msgspec import Meta
 from wayline.drive import VEHICLE_ID_PATTERN, Assignment, Vehicle, VehicleId
 from wayline.errors import InputError
 from wayline.http_settings import HttpSettings
-from wayline.live_sources import LiveAvl, LiveCan, LiveNmea
+from wayline.live_sources import LiveAvl, LiveCan, LiveNmea, LiveRaw
 from wayline.profile import with_profiles
 from wayline.services import SERVICES
 from wayline.strict import Strict, fitted
@@ -102,6 +102,7 @@ class Settings(Strict, frozen=True, kw_only=True):
     rerun: RerunSettings = msgspec.field(default_factory=RerunSettings)
     nmea: tuple[LiveNmea, ...] = ()
     avl: tuple[LiveAvl, ...] = ()
+    raw: tuple[LiveRaw, ...] = ()
     can: tuple[LiveCan, ...] = ()
     vehicle: Vehicle = msgspec.field(default_factory=Vehicle)
     tuning: Tuning = msgspec.field(default_factory=Tuning)
@@ -146,6 +147,10 @@ def load_settings(path: Path, environment: Mapping[str, str] = os.environ) -> Se
         settings,
         routes=tuple(absolute(route) for route in settings.routes),
         feeds=tuple(absolute(feed) for feed in settings.feeds),
+        raw=tuple(
+            msgspec.structs.replace(raw, nav=tuple(absolute(nav) for nav in raw.nav))
+            for raw in settings.raw
+        ),
         can=tuple(
             msgspec.structs.replace(can, dbc=tuple(absolute(dbc) for dbc in can.dbc))
             for can in settings.can

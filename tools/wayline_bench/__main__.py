@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 from rich.console import Console
 
-from wayline_bench import eta, fleet, fusion, history, ingest, smoothing, timetable
+from wayline_bench import eta, fleet, fusion, history, ingest, raw, smoothing, timetable
 from wayline_bench.rounds import Say
 from wayline_bench.row import Row, table
 
@@ -20,6 +20,7 @@ BENCHES: dict[str, Bench] = {
     "eta": eta.bench,
     "fleet": fleet.bench,
     "history": history.bench,
+    "raw": raw.bench,
     "timetable": timetable.bench,
     "smoothing": smoothing.bench,
 }

@@ -20,6 +20,8 @@ from rich.table import Table
 from wayline import __version__
 from wayline.errors import InputError
 from wayline_cli.doctor_command import doctor_app
+from wayline_cli.history_command import history_app
+from wayline_cli.slope_command import slope_app
 from wayline_evaluation.commands import evaluate_app
 from wayline_simulator.command import simulate_app
 
@@ -34,8 +36,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 route_app = typer.Typer(help="Routes for the arrivals service.", no_args_is_help=True)
-slope_app = typer.Typer(help="Slope databases.", no_args_is_help=True)
-history_app = typer.Typer(help="What happened: tracks and trips.", no_args_is_help=True)
 timetable_app = typer.Typer(help="Timetables: GTFS feeds.", no_args_is_help=True)
 app.add_typer(route_app, name="route")
 app.add_typer(timetable_app, name="timetable")
@@ -308,94 +308,6 @@ def timetable_check_command(
     from wayline_cli.timetable_check import check_timetable
 
     check_timetable(feed, dt.datetime.now(dt.UTC).date(), Console())
-
-
-@slope_app.command("export")
-def slope_export_command(
-    database: Annotated[str, typer.Option(help="e.g. sqlite:///wayline.db")],
-    format_: Annotated[str, typer.Option("--format", help="csv")] = "csv",
-    out: Annotated[Path | None, typer.Option(help="File to write; default: stdout.")] = None,
-) -> None:
-    """Write what a database knows of its roads, one row a bin."""
-    from wayline_cli.slope_export import export_slope_csv
-
-    if format_ != "csv":
-        raise InputError("--format", f"{format_!r} is unknown", "give csv")
-    rows = export_slope_csv(database, out, sys.stdout)
-    if out is not None:
-        typer.echo(f"{out}: {rows:,} bins")
-
-
-@slope_app.command("list")
-def slope_list_command(
-    database: Annotated[str, typer.Option(help="e.g. sqlite:///wayline.db")],
-) -> None:
-    """Name the runs that were merged, one a line, in order of time."""
-    from wayline_cli.slope_runs import list_runs
-
-    list_runs(database, sys.stdout)
-
-
-@slope_app.command("withdraw")
-def slope_withdraw_command(
-    run: Annotated[str, typer.Argument(help="One of `wayline slope list`.")],
-    database: Annotated[str, typer.Option(help="e.g. sqlite:///wayline.db")],
-) -> None:
-    """Take a run out of the map again, as if it had never been merged."""
-    from wayline_cli.slope_runs import withdraw_run
-
-    typer.echo(withdraw_run(database, run))
-
-
-DatabaseOption = Annotated[str, typer.Option(help="e.g. sqlite:///history.db")]
-VehicleOption = Annotated[str | None, typer.Option(help="Its id; may be left out of one.")]
-FromOption = Annotated[
-    str | None, typer.Option("--from", help="From then on, e.g. 2026-11-22T08:00:00Z")
-]
-ToOption = Annotated[str | None, typer.Option("--to", help="Before then.")]
-
-
-@history_app.command("list")
-def history_list_command(database: DatabaseOption) -> None:
-    """Say of which vehicles something is kept, from when to when."""
-    from wayline_cli.history import list_vehicles
-
-    list_vehicles(database, Console())
-
-
-@history_app.command("trips")
-def history_trips_command(
-    database: DatabaseOption,
-    vehicle: VehicleOption = None,
-    from_: FromOption = None,
-    to: ToOption = None,
-    format_: Annotated[str, typer.Option("--format", help="table, csv or json")] = "table",
-) -> None:
-    """List the trips of a vehicle, or of all."""
-    from wayline_cli.history import Asked, list_trips
-
-    list_trips(database, Asked(vehicle, from_, to), format_, sys.stdout)
-
-
-@history_app.command("export")
-def history_export_command(
-    database: DatabaseOption,
-    vehicle: VehicleOption = None,
-    from_: FromOption = None,
-    to: ToOption = None,
-    kind: Annotated[str, typer.Option(help="raw, fused or on_route")] = "fused",
-    step_s: Annotated[float, typer.Option(help="One point in so many seconds.")] = 0.0,
-    format_: Annotated[str, typer.Option("--format", help="gpx, csv, geojson or json")] = "gpx",
-    out: Annotated[Path | None, typer.Option(help="File to write; default: stdout.")] = None,
-) -> None:
-    """Write where a vehicle was."""
-    from wayline_cli.history import Asked, export_track
-    from wayline_cli.output_file import binary_output
-
-    asked = Asked(vehicle, from_, to, kind, step_s)
-    size = export_track(database, asked, format_, lambda: binary_output(out))
-    if out is not None:
-        typer.echo(f"{out}: {size:,} bytes")
 
 
 def _bus(config: Path | None) -> "BusSettings":

@@ -10,7 +10,11 @@ from pathlib import Path
 from wayline.services import SERVICES
 from wayline_cli.check import Check, fine, note, wrong
 
-OPTIONAL = {"asammdf": ("mf4", "MF4 recordings"), "rerun": ("rerun", "live views in Rerun")}
+OPTIONAL = {
+    "asammdf": ("mf4", "MF4 recordings"),
+    "pyrtklib5": ("raw", "raw measurements of u-blox receivers and RINEX"),
+    "rerun": ("rerun", "live views in Rerun"),
+}
 """Module, its extra and what it is for."""
 NODE_NEEDED = "Node.js 20.19, 22.12 or newer"
 NODE_TIMEOUT_S = 5.0

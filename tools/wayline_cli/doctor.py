@@ -71,7 +71,7 @@ def configured(settings: Settings, services: Sequence[str], *, is_default: bool)
 def check_vehicle(settings: Settings, services: Sequence[str]) -> Check:
     """Whether a vehicle is named, and one alone where this machine reads its sensors."""
     reads_sensors = any(SERVICES[service].reads_sensors for service in services)
-    if reads_sensors and (settings.nmea or settings.can):
+    if reads_sensors and (settings.nmea or settings.can or settings.raw):
         return attempted("vehicle", settings.own_vehicle)
     return attempted("vehicle", lambda: ", ".join(settings.served()))
 

@@ -2,7 +2,6 @@
 
 Each command imports what it needs when it runs, so that `--help` answers at once.
 """
-# ruff: noqa: PLC0415
 
 from collections.abc import Iterable
 from pathlib import Path

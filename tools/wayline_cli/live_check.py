@@ -107,7 +107,7 @@ def _play(
 ) -> tuple[Listener, Counts]:
     """What a listener heard of the whole drive, and how much fusion did."""
     players = [
-        *(["gps-ingest"] if drive.nmea or drive.avl else []),
+        *(["gps-ingest"] if drive.nmea or drive.avl or drive.raw else []),
         *(["can-ingest"] if drive.can else []),
     ]
     system.start_router()

@@ -8,7 +8,7 @@ import sys
 import sysconfig
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -53,7 +53,7 @@ def view(
     """Record a drive's folder, a replay's output folder or an MCAP file for Rerun.
 
     Without `save` the viewer is opened on it and waited for. The route drawn is `route_path`'s,
-    else the drive's own where it has one. `progressed` gets the seconds replayed, of a drive.
+    else the drive's own where it has some. `progressed` gets the seconds replayed, of a drive.
     Raises InputError.
     """
     if save is None:
@@ -69,28 +69,26 @@ def view(
 def _record(
     source: Path, path: Path, route_path: Path | None, scratch: Path, progressed: Progressed
 ) -> Viewed:
+    route_paths = [route_path] if route_path else []
     if is_drive(source):
         drive = load_drive(source)
-        own = [Path(each) for each in drive.route.paths] if drive.route else []
-        route_paths = [route_path] if route_path else own
-        route_path = route_paths[0] if len(route_paths) == 1 else None
+        if not route_paths and drive.route:
+            route_paths = [Path(each) for each in drive.route.paths]
         out = scratch / "replay"
         replay(source, out, route_paths=route_paths, progressed=progressed)
         source = out
     started = time.perf_counter()
     messages = read_logged(source)
-    route = load_route(route_path) if route_path is not None else None
-    rows = write_recording(messages, path, route)
+    rows = write_recording(messages, path, [load_route(each) for each in route_paths])
     return Viewed(path, rows, time.perf_counter() - started)
 
 
-def write_recording(messages: Iterator[Logged], path: Path, route: Route | None = None) -> int:
+def write_recording(messages: Iterator[Logged], path: Path, routes: Sequence[Route] = ()) -> int:
     """Write messages to a Rerun recording; the number of its rows. Raises InputError."""
     first = next(messages, None)
     if first is None:
         raise InputError(str(path), "nothing to show", "give a source that holds messages")
-    routes = {} if route is None else {first[0]: route}
-    with _open_recording(path, routes) as recording:
+    with _open_recording(path, {first[0]: routes}) as recording:
         recording.log(first[0], first[2], first[1])
         for vehicle_id, source, message in messages:
             recording.log(vehicle_id, message, source)
@@ -98,7 +96,7 @@ def write_recording(messages: Iterator[Logged], path: Path, route: Route | None 
         return recording.rows_sent
 
 
-def _open_recording(path: Path, routes: Mapping[str, Route]) -> "RerunRecording":
+def _open_recording(path: Path, routes: Mapping[str, Sequence[Route]]) -> "RerunRecording":
     try:
         from wayline.rerun_view import RerunRecording  # noqa: PLC0415 - an extra
     except ImportError as error:

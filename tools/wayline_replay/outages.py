@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from wayline.errors import InputError
-from wayline.messages import GpsFix
+from wayline.messages import GpsFix, GpsRaw, Message
 from wayline.received import Received
 
 HEAD_NS = 5_000_000_000
@@ -49,7 +49,7 @@ def check_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> No
 
 
 def with_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> Iterator[Received]:
-    """Blank position, speed, course and altitude of every fix measured during an outage."""
+    """Blank what receivers measured during an outage: fixes, and satellites before any fix."""
     stream = iter(messages)
     head = _head(stream)
     if not head:
@@ -61,15 +61,17 @@ def with_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> Ite
     ]
     for received in itertools.chain(head, stream):
         message = received.message
-        if isinstance(message, GpsFix) and any(a <= message.t_ns < b for a, b in spans):
-            yield received._replace(message=blanked(message))
-        else:
-            yield received
+        is_out = any(a <= message.t_ns < b for a, b in spans)
+        yield received._replace(message=blanked(message)) if is_out else received
 
 
-def blanked(fix: GpsFix) -> GpsFix:
-    """The fix of a receiver that sees no satellites."""
-    return GpsFix(t_ns=fix.t_ns, valid=False, satellites=0)
+def blanked(message: Message) -> Message:
+    """What a receiver that sees no satellites says; of other sensors the message itself."""
+    if isinstance(message, GpsFix):
+        return GpsFix(t_ns=message.t_ns, valid=False, satellites=0)
+    if isinstance(message, GpsRaw):
+        return GpsRaw(t_ns=message.t_ns)
+    return message
 
 
 def _head(stream: Iterator[Received]) -> list[Received]:

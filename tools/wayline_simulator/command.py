@@ -45,6 +45,9 @@ def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
     vehicle: Annotated[str | None, typer.Option(help="car, truck, bus.")] = None,
     vehicle_id: Annotated[str | None, typer.Option(help="Name on the bus.")] = None,
     runs: Annotated[int | None, typer.Option(help="Drives over the same road.")] = None,
+    raw: Annotated[
+        bool, typer.Option("--raw", help="The receiver also tells what it measured of satellites.")
+    ] = False,
     seed: Annotated[int | None, typer.Option(help="Another seed, another drive.")] = None,
     list_: Annotated[bool, typer.Option("--list", help="Name the scenarios and end.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Write into a folder with files.")] = False,
@@ -69,6 +72,8 @@ def simulate_command(  # noqa: PLR0917 -- Typer makes options of them
         "runs": runs,
         "seed": seed,
     }
+    if raw and wanted.raw is None:
+        asked["raw"] = {}
     wanted = _overridden(wanted, asked, _road_asked(road, length_m, laps))
     started = time.perf_counter()
     drives = simulate(wanted, out, beside=beside, written=_print_drive)

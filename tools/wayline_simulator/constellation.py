@@ -66,10 +66,10 @@ def heavens(
 ) -> Heavens:
     """Where satellites stand at Unix times, seen from a place each. Inputs of shape (n,)."""
     places_m = np.stack(TO_EARTH_FIXED.transform(lons_deg, lats_deg, np.zeros_like(lats_deg)), -1)
-    rays_m = _earth_fixed_m(times_s, systems) - places_m[:, np.newaxis, :]
+    rays_m = satellites_m(times_s[:, np.newaxis], systems) - places_m[:, np.newaxis, :]
     rays = rays_m / np.linalg.norm(rays_m, axis=2, keepdims=True)
-    east, north, up = np.moveaxis(rays @ _local_axes(lats_deg, lons_deg), 2, 0)
-    counts = [ORBITS[system].planes * ORBITS[system].slots for system in systems]
+    east, north, up = np.moveaxis(rays @ local_axes(lats_deg, lons_deg), 2, 0)
+    counts = [_count(system) for system in systems]
     return Heavens(
         azimuths_rad=np.arctan2(east, north) % (2.0 * np.pi),
         elevations_rad=np.arcsin(np.clip(up, -1.0, 1.0)),
@@ -83,27 +83,40 @@ def heavens(
     )
 
 
-def _earth_fixed_m(times_s: Floats, systems: tuple[System, ...]) -> Floats:
-    """Shape (n, satellites, 3)."""
+def satellites_m(times_s: Floats, systems: tuple[System, ...]) -> Floats:
+    """Earth-fixed places, shape (n, satellites, 3), in the frame of each one's own instant.
+
+    `times_s`: Unix time, of shape (n, 1) for all satellites or (n, satellites) for each.
+    """
+    ends = np.cumsum([_count(system) for system in systems])
+    each_s = np.broadcast_to(times_s, (len(times_s), int(ends[-1])))
+    parts_s = np.split(each_s, ends[:-1], axis=1)
+    parts = [
+        _constellation_m(part_s, ORBITS[system])
+        for part_s, system in zip(parts_s, systems, strict=True)
+    ]
+    return np.concatenate(parts, axis=1)
+
+
+def _count(system: System) -> int:
+    return ORBITS[system].planes * ORBITS[system].slots
+
+
+def _constellation_m(times_s: Floats, orbits: Orbits) -> Floats:
+    """Of times of shape (n, planes times slots)."""
     turns = TURNS_AT_J2000 + TURNS_PER_DAY * (times_s - J2000_UNIX_S) / 86_400.0
-    return np.concatenate(
-        [_constellation_m(times_s, turns, ORBITS[system]) for system in systems], axis=1
-    )
-
-
-def _constellation_m(times_s: Floats, turns: Floats, orbits: Orbits) -> Floats:
     plane, slot = np.divmod(np.arange(orbits.planes * orbits.slots), orbits.slots)
     rate_radps = np.sqrt(EARTH_MU_M3PS2 / orbits.radius_m**3)
     start_rad = np.radians(slot * 360.0 / orbits.slots + plane * orbits.phase_deg)
-    along = start_rad + rate_radps * (times_s[:, np.newaxis] - J2000_UNIX_S)
-    node = 2.0 * np.pi * (plane / orbits.planes - turns[:, np.newaxis] % 1.0)
+    along = start_rad + rate_radps * (times_s - J2000_UNIX_S)
+    node = 2.0 * np.pi * (plane / orbits.planes - turns % 1.0)
     tilt = np.radians(orbits.inclination_deg)
     x = np.cos(along) * np.cos(node) - np.sin(along) * np.cos(tilt) * np.sin(node)
     y = np.cos(along) * np.sin(node) + np.sin(along) * np.cos(tilt) * np.cos(node)
     return orbits.radius_m * np.stack((x, y, np.sin(along) * np.sin(tilt)), axis=-1)
 
 
-def _local_axes(lats_deg: Floats, lons_deg: Floats) -> Floats:
+def local_axes(lats_deg: Floats, lons_deg: Floats) -> Floats:
     """Columns east, north and up in earth-fixed coordinates, shape (n, 3, 3)."""
     lat, lon = np.radians(lats_deg), np.radians(lons_deg)
     sin_lat, cos_lat, sin_lon, cos_lon = np.sin(lat), np.cos(lat), np.sin(lon), np.cos(lon)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import msgspec
 
-from wayline.drive import Condition, SignalMapping, Vehicle
+from wayline.drive import RawSource, SignalMapping, Vehicle
 
 NMEA_NAME, CAN_NAME, DBC_NAME = "gps.nmea", "can.log", "vehicle.dbc"
 TRUTH_NAME, ROUTE_NAME = "truth.csv", "route.geojson"
@@ -17,11 +17,13 @@ def drive_toml(
     signals: Mapping[str, SignalMapping],
     vehicle: Vehicle,
     has_gps: bool,
+    raw: RawSource | None,
 ) -> str:
     """The file's text; without signals the drive has no CAN bus."""
     lines = [
         *_table("[drive]", {"vehicle_id": vehicle_id, "description": description}),
         *(_table("[[nmea]]", {"path": NMEA_NAME}) if has_gps else ()),
+        *(_table("[[raw]]", _given(raw)) if raw else ()),
         *(_can(signals) if signals else ()),
         *_table("[vehicle]", _given(vehicle)),
         *_table("[route]", {"path": ROUTE_NAME}),
@@ -61,7 +63,7 @@ def _default(field: msgspec.structs.FieldInfo) -> object:
 
 def _value(value: object) -> str:
     """JSON's strings, numbers, booleans and lists are TOML's too; tables are written inline."""
-    if isinstance(value, Condition):
+    if isinstance(value, msgspec.Struct):
         return _value(_given(value))
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{key} = {_value(item)}" for key, item in value.items()) + " }"

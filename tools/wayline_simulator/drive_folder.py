@@ -26,6 +26,9 @@ from wayline_simulator.drive_file import (
 from wayline_simulator.facts import Facts
 from wayline_simulator.facts_file import write_facts
 from wayline_simulator.happenings import happenings
+from wayline_simulator.raw_epochs import measure_raw
+from wayline_simulator.raw_errors import raw_errors
+from wayline_simulator.raw_file import RAW_NAME, raw_lines, raw_source
 from wayline_simulator.receiver import nmea_lines
 from wayline_simulator.road import make_course
 from wayline_simulator.scenario import Scenario
@@ -74,11 +77,7 @@ def simulate(
 
 def _write(run: Run, scenario: Scenario, route: Route, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    if run.fixes is not None and run.models.gps is not None:
-        random = randomness(scenario, run.number, Part.SENTENCE_DAMAGE)
-        lines = damaged_lines(nmea_lines(run.fixes, run.models.gps), scenario.damage, random)
-        texts = (b"%.3f %s\n" % (line.arrival_s, line.text) for line in lines)
-        _write_blocks(texts, folder / NMEA_NAME)
+    _write_receiver(run, scenario, folder)
     database, mapped = dbc_text(run.models), signals(run.models)
     if mapped:
         (folder / DBC_NAME).write_text(database, encoding="ascii")
@@ -89,11 +88,29 @@ def _write(run: Run, scenario: Scenario, route: Route, folder: Path) -> None:
         signals=mapped,
         vehicle=run.assumed,
         has_gps=run.fixes is not None,
+        raw=raw_source() if run.fixes is not None and scenario.raw is not None else None,
     )
     (folder / "drive.toml").write_text(text, encoding="utf-8")
     write_truth(run.journey, run.start_s, folder / TRUTH_NAME)
     write_route(route, folder / ROUTE_NAME)
     write_facts(_all_facts(run, scenario), folder)
+
+
+def _write_receiver(run: Run, scenario: Scenario, folder: Path) -> None:
+    fixes, gps = run.fixes, run.models.gps
+    if fixes is None or gps is None:
+        return
+    random = randomness(scenario, run.number, Part.SENTENCE_DAMAGE)
+    lines = damaged_lines(nmea_lines(fixes, gps), scenario.damage, random)
+    _write_blocks(
+        (b"%.3f %s\n" % (line.arrival_s, line.text) for line in lines), folder / NMEA_NAME
+    )
+    if scenario.raw is not None:
+        random = randomness(scenario, run.number, Part.RAW)
+        truth = run.journey.at(fixes.timestamps_s - run.start_s)
+        errors = raw_errors(fixes, truth, gps, scenario.raw, random)
+        measured = measure_raw(truth, fixes, gps, errors, scenario.raw.least_dbhz)
+        _write_blocks(raw_lines(measured, gps.systems), folder / RAW_NAME)
 
 
 def _all_facts(run: Run, scenario: Scenario) -> Facts:

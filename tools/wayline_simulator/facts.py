@@ -9,6 +9,7 @@ from wayline_simulator.gps import GpsModel
 from wayline_simulator.gyro import GyroModel
 from wayline_simulator.happenings import Happenings
 from wayline_simulator.odometer import OdometerModel
+from wayline_simulator.raw_model import RawModel
 from wayline_simulator.torque import TorqueModel
 from wayline_simulator.weather import Weather
 
@@ -27,4 +28,5 @@ class Facts(Strict, frozen=True, kw_only=True):
     weather: Weather
     mass_kg: float
     """The vehicle's true mass; drive.toml has it with the model's error."""
+    raw: RawModel | None = None
     happenings: Happenings = Happenings()

@@ -71,6 +71,8 @@ class View(NamedTuple):
     strengths_dbhz: Singles
     """0: not heard."""
     used: NDArray[np.bool_]
+    clear: NDArray[np.bool_]
+    """Nothing stands between: else what is heard comes by way of a wall."""
     systems: NDArray[np.intp]
     prns: NDArray[np.intp]
     mode: NDArray[np.int8]
@@ -97,7 +99,7 @@ def view_of(
     )
     azimuths = sky.azimuths_rad.astype(np.float32)[rows]
     elevations = sky.elevations_rad.astype(np.float32)[rows]
-    strengths = _strengths(truth, azimuths, elevations, random)
+    strengths, clear = _strengths(truth, azimuths, elevations, random)
     strengths[strengths < HEARD_DBHZ] = 0.0
     used = latched(strengths > USE_DBHZ, strengths < LOSE_DBHZ)
     used &= elevations > np.radians(mask_deg)
@@ -109,6 +111,7 @@ def view_of(
         elevations_deg=np.degrees(elevations),
         strengths_dbhz=strengths,
         used=used,
+        clear=clear,
         systems=sky.systems,
         prns=sky.prns,
         mode=mode,
@@ -128,14 +131,18 @@ def latched(on: NDArray[np.bool_], off: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def _strengths(
     truth: Truth, azimuths: Singles, elevations: Singles, random: np.random.Generator
-) -> Singles:
-    """Carrier to noise, 0 where nothing gets through; what fades, fades each signal apart."""
+) -> tuple[Singles, NDArray[np.bool_]]:
+    """Carrier to noise, 0 where nothing gets through, and whether the way is clear.
+
+    What fades, fades each signal apart.
+    """
     rise = np.sin(np.maximum(elevations, 0.0))
     strengths = (STRENGTH_LOW_DBHZ + STRENGTH_RISE_DBHZ * rise).astype(np.float32)
     fading_time_s = Scene().fading_time_s
     fading = gauss_markov(strengths.shape, VIEW_STEP_S, 1.0, fading_time_s, random).astype(
         np.float32
     )
+    clear = np.ones(strengths.shape, dtype=np.bool_)
     for kind, scene in SCENES.items():
         here = truth.surroundings == kind
         strengths[here] -= scene.canopy_db / np.maximum(rise[here], CANOPY_SIN_MIN)
@@ -143,8 +150,9 @@ def _strengths(
         roof = _roof_rad(scene, truth, azimuths, here)
         behind = np.clip((roof - elevations[here]) / EDGE_RAD, 0.0, 1.0)
         strengths[here] -= scene.loss_db * behind.astype(np.float32)
+        clear[here] = roof <= elevations[here]
     strengths[(elevations < 0.0) | (truth.surroundings >= Surroundings.BRIDGE)[:, np.newaxis]] = 0.0
-    return strengths
+    return strengths, clear
 
 
 def _roof_rad(

@@ -13,6 +13,7 @@ from wayline_simulator.damage import Damage
 from wayline_simulator.driver import DriverModel
 from wayline_simulator.gps_events import GpsEvents
 from wayline_simulator.presets import PRESETS, Preset
+from wayline_simulator.raw_model import RawModel
 from wayline_simulator.road_model import RoadModel
 from wayline_simulator.vehicle import VEHICLES, VehicleModel
 from wayline_simulator.weather import Weather
@@ -51,6 +52,8 @@ class Scenario(Strict, frozen=True, kw_only=True):
     odometer: Overlay = {}
     torque: Overlay = {}
     barometer: Overlay = {}
+    raw: RawModel | None = None
+    """What the receiver measures of each satellite; None: it keeps that to itself."""
     events: GpsEvents = msgspec.field(default_factory=GpsEvents)
     damage: Damage = msgspec.field(default_factory=Damage)
 

@@ -38,6 +38,7 @@ class Part(IntEnum):
     SENTENCE_DAMAGE = 6
     FRAME_DAMAGE = 7
     MASS = 8
+    RAW = 9
 
 
 class Run(NamedTuple):
@@ -111,4 +112,5 @@ def _facts(scenario: Scenario, models: Preset, weather: Weather, number: int) ->
         barometer=models.barometer,
         weather=weather,
         mass_kg=scenario.vehicle_model().mass_kg,
+        raw=scenario.raw if models.gps else None,
     )

@@ -56,7 +56,7 @@ def _check_dates(drive: Drive) -> None:
     """Refuse recordings without a date beside sources that have one: they share no clock."""
     if any(can.clock is not None for can in drive.can):
         return
-    others = len(drive.nmea) + len(drive.avl)
+    others = len(drive.nmea) + len(drive.avl) + len(drive.raw)
     paths = [path for can in drive.can for path in can.paths]
     if others + len(paths) == 1:
         return

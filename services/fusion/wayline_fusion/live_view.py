@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import ClassVar
 
 from wayline.messages import Message
-from wayline.route import Route
 from wayline.settings import Settings
 from wayline.shell import load_routes
 from wayline.view import Receipt, View
@@ -42,14 +41,8 @@ def live_views(settings: Settings) -> list[View]:
     recording = RerunRecording(
         save=Path(rerun.record) if rerun.record else None,
         port=rerun.port,
-        routes=_route_by_vehicle(settings),
+        routes=dict.fromkeys(settings.served(), load_routes(settings)),
         memory_limit=rerun.memory_limit,
     )
     log.info("watch fusion with: rerun %s", recording.address)
     return [RerunView(recording.log)]
-
-
-def _route_by_vehicle(settings: Settings) -> dict[str, Route]:
-    """The one configured route, for each vehicle named; of several it is not known whose."""
-    routes = load_routes(settings)
-    return dict.fromkeys(settings.served(), routes[0]) if len(routes) == 1 else {}

@@ -17,6 +17,7 @@ from wayline.telemetry import Telemetry
 from wayline_gps_ingest.agency_key import key_of
 from wayline_gps_ingest.core import GpsIngestCore
 from wayline_gps_ingest.gpsd import GpsdCore
+from wayline_gps_ingest.raw.live import RawReceiver
 from wayline_gps_ingest.realtime_feed import RealtimeFeed
 from wayline_gps_ingest.receiver_metrics import ReceiverCollector
 from wayline_gps_ingest.receivers import FixNotes, Receiver
@@ -36,15 +37,19 @@ def build(settings: Settings, options: Namespace) -> Service:
 
 def live(settings: Settings) -> Service:
     """The service on the configured receivers and agencies. Raises InputError."""
-    if settings.nmea:
+    if settings.nmea or settings.raw:
         settings.own_vehicle()
     names = source_names(NAME)
     heard = [Receiver(next(names), nmea) for nmea in settings.nmea]
-    receivers = {receiver.name: receiver for receiver in heard}
     agencies = [RealtimeFeed(next(names), avl, key_of(avl, os.environ)) for avl in settings.avl]
+    measuring = [RawReceiver(next(names), raw) for raw in settings.raw]
+    receivers: dict[str, Receiver] = {each.name: each for each in (*heard, *measuring)}
+    raw_nodes = {each.name: each.node for each in measuring}
 
     def make_node(vehicle_id: str, source: str) -> Node:
         del vehicle_id
+        if source in raw_nodes:
+            return raw_nodes[source]
         latency_s = settings.vehicle.gps_latency_s
         if source not in receivers:
             return Node(source, GpsIngestCore(latency_s, clock_from_ns=EARLIEST_NS))
@@ -54,7 +59,7 @@ def live(settings: Settings) -> Service:
         receiver.faults = lambda: core.faults
         return Node(source, core)
 
-    feeds: Sequence[Receiver | RealtimeFeed] = [*heard, *agencies]
+    feeds: Sequence[Receiver | RealtimeFeed] = [*heard, *agencies, *measuring]
     return Service(
         NAME,
         make_node,

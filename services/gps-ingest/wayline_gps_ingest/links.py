@@ -1,13 +1,14 @@
-"""Opens a receiver by its URL: a serial line, a TCP or UDP peer, gpsd. Each gives lines of text."""
+"""Opens a receiver by its URL: a serial line, a TCP or UDP peer, gpsd. Each gives what was said."""
 
 import errno
 import json
 import socket
 import termios
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 from urllib.parse import SplitResult, parse_qsl, urlsplit
 
 import msgspec
@@ -16,9 +17,10 @@ import serial
 from wayline.errors import InputError
 from wayline.framing import SentenceSplitter
 from wayline.inputs import Sentence
-from wayline.live_sources import LiveNmea
+from wayline.live_sources import LiveNmea, LiveRaw
 from wayline_gps_ingest.baud import BaudSearch, UbxEar, is_sound
 from wayline_gps_ingest.gpsd import GpsdReport
+from wayline_gps_ingest.raw.ubx_frames import UbxBytes, UbxSplitter
 
 READ_S = 0.2
 SILENT_S = 5.0
@@ -49,11 +51,42 @@ UBX_ONLY = "u-blox binary only"
 EXAMPLES = {"tcp": "tcp://host:10110", "udp": "udp://:10110", "gpsd": "gpsd://host:2947"}
 
 
+class Splitter(Protocol):
+    """Bytes of one connection in, in whatever pieces they come, whole parts out."""
+
+    def feed(self, chunk: bytes) -> list[Any]:
+        """The parts that a chunk completes."""
+        ...
+
+    def end(self) -> list[Any]:
+        """What the last bytes held, now that no more will come."""
+        ...
+
+
+class Speech(NamedTuple):
+    """What a receiver speaks."""
+
+    splitter: Callable[[], Splitter]
+    is_sound: Callable[[Any], bool]
+    """Whether a part was read at the right rate."""
+    received: Callable[[int, Any], msgspec.Struct]
+    """A part with its receipt, as its core takes it."""
+
+
+NMEA = Speech(SentenceSplitter, is_sound, Sentence)
+
+
+def ubx_speech(faults: Counter[str]) -> Speech:
+    """UBX, of which a message proves itself by its checksum; `faults` counts what does not."""
+    return Speech(lambda: UbxSplitter(faults), lambda _: True, UbxBytes)
+
+
 class Heard(NamedTuple):
     """What came within `READ_S`."""
 
     size_bytes: int
-    lines: list[str]
+    lines: list[Any]
+    """Sentences or reports as text, UBX messages as bytes."""
 
 
 class Link(Protocol):
@@ -76,12 +109,15 @@ class Address(NamedTuple):
     """How a receiver is reached."""
 
     open: Callable[[], AbstractContextManager[Link]]
-    line: Callable[[int, str], msgspec.Struct]
+    line: Callable[[int, Any], msgspec.Struct]
     """A line with its receipt, as its core takes it."""
 
 
-def address_of(source: LiveNmea) -> Address:
-    """How to reach a receiver. Raises InputError for a URL that lacks something."""
+def address_of(source: LiveNmea | LiveRaw, speech: Speech = NMEA) -> Address:
+    """How to reach a receiver and what it speaks, where that is not gpsd.
+
+    Raises InputError for a URL that lacks something.
+    """
     parts = urlsplit(source.url)
     if parts.scheme == "serial":
         if not parts.path.strip("/"):
@@ -89,16 +125,16 @@ def address_of(source: LiveNmea) -> Address:
         # kept while the device comes and goes, so that its rate is known when it is back
         search = BaudSearch()
         rate_bps = _baud_of(source, parts)
-        return Address(lambda: _serial(parts.path, rate_bps, search), Sentence)
+        return Address(lambda: _serial(parts.path, rate_bps, search, speech), speech.received)
     host, port = _host_and_port(source.url, parts)
     if parts.scheme == "udp":
-        return Address(lambda: _udp(host, port), Sentence)
+        return Address(lambda: _udp(host, port, speech), speech.received)
     if parts.scheme == "gpsd":
         return Address(lambda: _gpsd(host, port, parts.path), GpsdReport)
-    return Address(lambda: _tcp(host, port), Sentence)
+    return Address(lambda: _tcp(host, port, speech), speech.received)
 
 
-def _baud_of(source: LiveNmea, parts: SplitResult) -> int | None:
+def _baud_of(source: LiveNmea | LiveRaw, parts: SplitResult) -> int | None:
     """The rate that the URL or else the table fixes."""
     options = dict(parse_qsl(parts.query, keep_blank_values=True))
     told = options.pop("baud", None)
@@ -127,10 +163,13 @@ class SerialLink:
 
     patience_s = SILENT_S
 
-    def __init__(self, line: serial.Serial, search: BaudSearch | None) -> None:
+    def __init__(
+        self, line: serial.Serial, search: BaudSearch | None, speech: Speech = NMEA
+    ) -> None:
         self._line = line
         self._search = search
-        self._splitter = SentenceSplitter()
+        self._speech = speech
+        self._splitter = speech.splitter()
         self._ubx = UbxEar()
         self._is_ubx = False
 
@@ -152,28 +191,28 @@ class SerialLink:
             raise OSError(*error.args) from None
         return Heard(len(chunk), lines)
 
-    def _judge(self, chunk: bytes, lines: list[str]) -> None:
+    def _judge(self, chunk: bytes, lines: list[Any]) -> None:
         """Learn from what came whether the rate is right."""
-        is_text = any(map(is_sound, lines))
-        is_ubx = not is_text and self._ubx.hears(chunk)
-        if is_text or is_ubx:
+        is_understood = any(map(self._speech.is_sound, lines))
+        is_ubx = not is_understood and self._ubx.hears(chunk)
+        if is_understood or is_ubx:
             self._is_ubx = is_ubx
         if self._search is None:
             return
-        if self._search.heard(time.monotonic(), chunk, sound=is_text or is_ubx):
+        if self._search.heard(time.monotonic(), chunk, sound=is_understood or is_ubx):
             self._line.baudrate = self._search.rate_bps
-            self._splitter = SentenceSplitter()
+            self._splitter = self._speech.splitter()
 
 
 class StreamLink:
-    """A connection that carries sentences."""
+    """A connection that carries what a receiver sends."""
 
     patience_s = SILENT_S
     note = None
 
-    def __init__(self, peer: socket.socket) -> None:
+    def __init__(self, peer: socket.socket, speech: Speech) -> None:
         self._peer = peer
-        self._splitter = SentenceSplitter()
+        self._splitter = speech.splitter()
 
     def read(self) -> Heard:
         """The next bytes."""
@@ -187,16 +226,17 @@ class DatagramLink:
     patience_s = float("inf")
     note = None
 
-    def __init__(self, port: socket.socket) -> None:
+    def __init__(self, port: socket.socket, speech: Speech) -> None:
         self._port = port
+        self._speech = speech
 
     def read(self) -> Heard:
-        """The next datagram, which tears no sentence."""
+        """The next datagram, which tears nothing apart."""
         try:
             chunk = self._port.recv(CHUNK_BYTES)
         except TimeoutError:
             return Heard(0, [])
-        splitter = SentenceSplitter()
+        splitter = self._speech.splitter()
         return Heard(len(chunk), [*splitter.feed(chunk), *splitter.end()])
 
 
@@ -231,7 +271,9 @@ def _received(peer: socket.socket) -> bytes:
 
 
 @contextmanager
-def _serial(device: str, rate_bps: int | None, search: BaudSearch) -> Iterator[Link]:
+def _serial(
+    device: str, rate_bps: int | None, search: BaudSearch, speech: Speech
+) -> Iterator[Link]:
     search.start()
     try:
         # locked, because two readers would each get half of every sentence
@@ -239,7 +281,7 @@ def _serial(device: str, rate_bps: int | None, search: BaudSearch) -> Iterator[L
     except (OSError, termios.error, ValueError) as error:
         raise OSError(_why_not(error)) from None
     with line:
-        yield SerialLink(line, search if rate_bps is None else None)
+        yield SerialLink(line, search if rate_bps is None else None, speech)
 
 
 def _why_not(error: Exception) -> str:
@@ -249,9 +291,9 @@ def _why_not(error: Exception) -> str:
 
 
 @contextmanager
-def _tcp(host: str, port: int) -> Iterator[Link]:
+def _tcp(host: str, port: int, speech: Speech) -> Iterator[Link]:
     with _connection(host, port) as peer:
-        yield StreamLink(peer)
+        yield StreamLink(peer, speech)
 
 
 @contextmanager
@@ -273,8 +315,8 @@ def _connection(host: str, port: int) -> Iterator[socket.socket]:
 
 
 @contextmanager
-def _udp(host: str, port: int) -> Iterator[Link]:
+def _udp(host: str, port: int, speech: Speech) -> Iterator[Link]:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
         own.bind((host, port))
         own.settimeout(READ_S)
-        yield DatagramLink(own)
+        yield DatagramLink(own, speech)

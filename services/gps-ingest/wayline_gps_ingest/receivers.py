@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import msgspec
 
-from wayline.live_sources import LiveNmea
-from wayline.messages import GpsFix, Message
+from wayline.live_sources import LiveNmea, LiveRaw
+from wayline.messages import GpsFix, GpsRaw, Message
 from wayline.view import Receipt
 from wayline_gps_ingest.condition import Condition
-from wayline_gps_ingest.links import Link, address_of
+from wayline_gps_ingest.links import NMEA, Link, Speech, address_of
 
 RETRY_S = (0.1, 0.2, 0.5)
 """Between attempts to connect. The last goes on: soon enough for fixes within 2 s of a return,
@@ -20,15 +20,15 @@ NOT_TRIED = "not tried yet"
 
 
 class Receiver:
-    """One receiver as a feed of lines."""
+    """One receiver as a feed of lines, or of messages in a protocol of its own."""
 
     can_wait = False
 
-    def __init__(self, name: str, source: LiveNmea) -> None:
+    def __init__(self, name: str, source: LiveNmea | LiveRaw, speech: Speech = NMEA) -> None:
         self.name = name
         self._url = source.url
         self.is_gpsd = source.url.startswith("gpsd:")
-        self._address = address_of(source)
+        self._address = address_of(source, speech)
         self._link: Link | None = None
         self._error = NOT_TRIED
         self._connections = 0
@@ -39,7 +39,7 @@ class Receiver:
         """What its core has counted and dropped, by reason."""
 
     def fixed(self) -> None:
-        """Take note of a valid fix that was made of its sentences."""
+        """Take note of a valid fix, or of satellites measured, that it has told."""
         self._fix_s = time.monotonic()
 
     @property
@@ -117,9 +117,11 @@ class FixNotes:
         self._receivers = receivers
 
     def put(self, vehicle_id: str, message: Message, source: str, receipt: Receipt) -> None:
-        """Take a published message; valid fixes count."""
+        """Take a published message; valid fixes count, and epochs with satellites."""
         del vehicle_id, receipt
-        if isinstance(message, GpsFix) and message.valid and source in self._receivers:
+        is_fix = isinstance(message, GpsFix) and message.valid
+        is_measured = isinstance(message, GpsRaw) and bool(message.satellites)
+        if (is_fix or is_measured) and source in self._receivers:
             self._receivers[source].fixed()
 
     def forget(self, vehicle_id: str) -> None:

@@ -14,18 +14,20 @@ from wayline.received import Account, Recording, source_names, translated
 from wayline.text_file import TextFile
 from wayline_gps_ingest.core import GpsIngestCore
 from wayline_gps_ingest.gpsd import GpsdCore, GpsdReport
+from wayline_gps_ingest.raw.recorded import raw_recording
 from wayline_gps_ingest.recorded_agency import agency_recording
 
 READABLE = "give a receiver's log of GGA, RMC, GLL, GNS or the like, as it came from the line"
 
 
 def recordings(drive: Drive, where: str) -> list[Recording]:
-    """Every `[[nmea]]` and `[[avl]]` of a drive, in that order. Raises InputError."""
+    """Every `[[nmea]]`, `[[avl]]` and `[[raw]]` of a drive, in that order. Raises InputError."""
     del where  # what is wrong with them is in their own files
     names = source_names("gps-ingest")
     return [
         *(_receiver(nmea, drive.vehicle, next(names)) for nmea in drive.nmea),
         *(_reports(avl, drive, next(names)) for avl in drive.avl),
+        *(raw_recording(raw, next(names)) for raw in drive.raw),
     ]
 
 

@@ -42,7 +42,9 @@ PIECE_NS = 10 * SECOND_NS
 """So much is lost of a process that is killed."""
 PIECE_ROWS = 2_000
 UNDER_WAY_PIECES = 30
-"""The trip under way is kept with every so many pieces."""
+"""The trip under way is kept with every so many pieces, ..."""
+YOUNG_PIECES = frozenset({3, 6, 12})
+"""... and after so many, for who looks at it soon."""
 
 
 class HistoryCore:
@@ -83,6 +85,7 @@ class HistoryCore:
         self._progress_second = 0
         self._engine = NULL
         self._pieces = 0
+        """Handed over since the trip under way began."""
 
     def _resume(self, known: Iterable[Sequence[int]], fixes: Iterable[SourcedFix]) -> None:
         """Give the cutter what was kept, in order of time."""
@@ -173,9 +176,10 @@ class HistoryCore:
         return [trip]
 
     def _is_due_under_way(self) -> bool:
-        """Once in five minutes: what it takes is a bit of a whole trip's."""
-        self._pieces += 1
-        return self._pieces % UNDER_WAY_PIECES == 0
+        """Once in five minutes, sooner at first: what it takes is a bit of a whole trip's."""
+        self._pieces = self._pieces + 1 if self._cutter.is_open else 0
+        is_young = self._pieces in YOUNG_PIECES
+        return is_young or (self._pieces > 0 and self._pieces % UNDER_WAY_PIECES == 0)
 
     def _keep(
         self, layout: Layout, message: Message | Verdict, **beside: int | str

@@ -25,7 +25,7 @@ from wayline_history.travelled import SourcedFix
 from wayline_history.trip_cutter import SILENCE_NS
 
 GAP_NS = 5_000_000_000
-"""A history that was not kept for less is told of nowhere."""
+"""What may not have been kept for less is told of nowhere."""
 ALIVE_S = 60.0
 """How often is noted that the history is kept, where nothing comes."""
 TIDY_EVERY_S = 10.0
@@ -45,10 +45,11 @@ class UnderWay(NamedTuple):
 
 
 class Openings:
-    """How often the tables were opened: what was not kept before the first has another reason."""
+    """What a process knows of its tables from before they were opened anew."""
 
     def __init__(self) -> None:
-        self.count = 0
+        self.well_ns: int | None = None
+        """When they were last in order; None before they were opened for the first time."""
 
 
 class HistoryTables:
@@ -76,17 +77,15 @@ class HistoryTables:
 
     def look(self) -> Sequence[msgspec.Struct]:
         """Tell of gaps, and let the history age; nobody has to be told anything."""
-        if not self._is_opened:
-            self._tell_gap()
-            self._is_opened = True
         gaps = self._losses.take()
         try:
-            if gaps or told_ns() - self._alive_ns > ALIVE_S * 1e9:
+            if gaps or not self._is_opened or told_ns() - self._alive_ns > ALIVE_S * 1e9:
                 self._keep(gaps)
         except sa.exc.DBAPIError:
             self._losses.put_back(gaps)
             raise
         self._tidy()
+        self._openings.well_ns = told_ns()
         return ()
 
     def under_way(self, vehicle_id: str) -> UnderWay:
@@ -113,26 +112,25 @@ class HistoryTables:
         alive_ns = told_ns()
         pieces = [(vehicle_id, each) for vehicle_id, each in records if isinstance(each, Piece)]
         is_whole = any(piece.is_last for _, piece in pieces)
+        if not self._is_opened and (gap := self._gap(alive_ns)) is not None:
+            pieces.append((FLEET, Piece(events=(gap,))))
         self._store.save(pieces, Alive(alive_ns, is_whole))
-        self._alive_ns = alive_ns
+        self._alive_ns = self._openings.well_ns = alive_ns
+        self._is_opened = True
 
-    def _tell_gap(self) -> None:
-        alive, now_ns = self._store.alive(), told_ns()
-        was_running = self._openings.count > 0
-        self._openings.count += 1
-        if alive is None or now_ns - alive.t_ns < GAP_NS:
-            return
-        # what was on its way when the process was killed is lost too; a database alone loses none
-        on_its_way_ns = 0 if alive.is_whole or was_running else PIECE_NS
-        detail = "the database was away or full" if was_running else "history was not running"
-        gap = Event(
-            t_ns=alive.t_ns - on_its_way_ns,
-            until_ns=now_ns,
-            kind="gap",
-            name="history",
-            detail=detail,
-        )
-        self._keep([(FLEET, Piece(events=(gap,)))])
+    def _gap(self, now_ns: int) -> Event | None:
+        """The time in which nothing was kept, before the tables were opened."""
+        since_ns, detail = self._openings.well_ns, "the database was away or full"
+        if since_ns is None:
+            alive = self._store.alive()
+            if alive is None:
+                return None
+            # what was on its way when the process was killed is lost too
+            since_ns = alive.t_ns - (0 if alive.is_whole else PIECE_NS)
+            detail = "history was not running"
+        if now_ns - since_ns < GAP_NS:
+            return None
+        return Event(t_ns=since_ns, until_ns=now_ns, kind="gap", name="history", detail=detail)
 
     def _tidy(self) -> None:
         now_s = time.monotonic()

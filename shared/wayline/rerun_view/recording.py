@@ -2,7 +2,7 @@
 
 import socket
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 
@@ -34,7 +34,7 @@ class RerunRecording:
         *,
         save: Path | None = None,
         port: int | None = None,
-        routes: Mapping[str, Route] | None = None,
+        routes: Mapping[str, Sequence[Route]] | None = None,
         batch_s: float = 1.0,
         memory_limit: str = "256MiB",
     ) -> None:
@@ -93,8 +93,8 @@ class RerunRecording:
         self._stream.disconnect()
 
     def _add_vehicle(self, vehicle_id: str) -> RerunView:
-        route = self._routes.get(vehicle_id)
-        view = RerunView(vehicle_id, self._stream, route=route, batch_s=self._batch_s)
+        routes = self._routes.get(vehicle_id, ())
+        view = RerunView(vehicle_id, self._stream, routes=routes, batch_s=self._batch_s)
         self._views[vehicle_id] = view
         self._send_blueprint(dict.fromkeys(self._views, NEAR_ZOOM))
         return view

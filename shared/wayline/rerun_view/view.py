@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -66,7 +66,7 @@ class RerunView:
     """Turns messages of one vehicle into rows; what Rerun has no place for is passed over.
 
     Rows wait for `batch_s` of measurement time: about a second where someone watches, a minute
-    for a file. A route, where given, is drawn once with its stops.
+    for a file. Routes, where given, are drawn once with their stops.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class RerunView:
         vehicle_id: str,
         stream: rr.RecordingStream,
         *,
-        route: Route | None = None,
+        routes: Sequence[Route] = (),
         batch_s: float = 1.0,
     ) -> None:
         self._columns = Columns(stream, vehicle_id, batch_s)
@@ -85,8 +85,8 @@ class RerunView:
         self._poses: deque[_Place] = deque(maxlen=POSES_KEPT)
         self._path_from: Pose | None = None
         self.extent = Extent()
-        if route is not None:
-            self._log_route(route)
+        if routes:
+            self._log_routes(routes)
 
     @property
     def rows_sent(self) -> int:
@@ -105,12 +105,13 @@ class RerunView:
         """Send what waits for its batch to fill."""
         self._columns.send()
 
-    def _log_route(self, route: Route) -> None:
-        line = np.column_stack((route.line.lats_deg, route.line.lons_deg))
-        self._columns.static("map/route", rr.GeoLineStrings(lat_lon=[line]))
-        if route.stops:
-            places = [(stop.lat_deg, stop.lon_deg) for stop in route.stops]
-            names = [stop.name for stop in route.stops]
+    def _log_routes(self, routes: Sequence[Route]) -> None:
+        lines = [np.column_stack((each.line.lats_deg, each.line.lons_deg)) for each in routes]
+        self._columns.static("map/route", rr.GeoLineStrings(lat_lon=lines))
+        stops = [stop for route in routes for stop in route.stops]
+        if stops:
+            places = [(stop.lat_deg, stop.lon_deg) for stop in stops]
+            names = [stop.name for stop in stops]
             self._columns.static(
                 "map/stops", rr.GeoPoints(lat_lon=places), rr.AnyValues(stop_name=names)
             )

@@ -19,9 +19,12 @@ from wayline.mcap_schema import message_schema
 from wayline.messages import (
     MESSAGES,
     TOPICS,
+    AidedSatellite,
+    Aiding,
     Arrivals,
     Barometer,
     FusionStatus,
+    GpsRaw,
     GpsSky,
     Health,
     Horizon,
@@ -30,6 +33,7 @@ from wayline.messages import (
     Odometer,
     Pose,
     Progress,
+    RawSatellite,
     Satellite,
     StopArrival,
     StopEvent,
@@ -42,6 +46,7 @@ from wayline.messages import (
 EVERY: tuple[Message, ...] = (
     fix(0.0, 55.0, 10.0, h_std_m=2.5),
     GpsSky(t_ns=at(0.1), satellites=(Satellite(system="gps", prn=7, used=True),)),
+    GpsRaw(t_ns=at(0.1), satellites=(RawSatellite(system="gps", prn=7, pseudorange_m=2.1e7),)),
     Odometer(t_ns=at(0.2), speed_mps=3.5, reverse=False),
     gyro(0.3, -1.25),
     Torque(t_ns=at(0.4), engine_torque_nm=-20.0, gear=-1),
@@ -50,6 +55,10 @@ EVERY: tuple[Message, ...] = (
     FusionStatus(
         t_ns=at(0.7),
         verdicts=(Verdict(sensor="gps", t_ns=at(0.7), accepted=False, nis=20.0, threshold=9.2),),
+    ),
+    Aiding(
+        t_ns=at(0.7),
+        satellites=(AidedSatellite(system="gps", prn=7, doppler_hz=-900.0, doppler_std_hz=1.0),),
     ),
     Progress(
         t_ns=at(0.8), route_id="Rødby/7", distance_m=12.0, lat_deg=55.0, lon_deg=10.0,

@@ -270,8 +270,21 @@ def test_progress_and_horizon_are_shown(record: Record) -> None:
 
 
 def test_a_route_and_its_stops_hold_at_all_times(record: Record, tmp_path: Path) -> None:
-    record([pose(0)], routes={"bus-7": route()})
+    record([pose(0)], routes={"bus-7": [route()]})
     assert {"/bus-7/map/route", "/bus-7/map/stops"} <= static_entities(tmp_path / "test.rrd")
+
+
+def test_every_route_that_a_vehicle_may_run_is_drawn(record: Record, tmp_path: Path) -> None:
+    record([pose(0)], routes={"bus-7": [route(), route()]})
+    chunks = RrdReader(tmp_path / "test.rrd").stream().to_chunks()
+    batches = [each.to_record_batch() for each in chunks if each.entity_path == "/bus-7/map/route"]
+    (lines,) = (
+        batch.column(name).to_pylist()[0]
+        for batch in batches
+        for name in batch.schema.names
+        if name.endswith("line_strings")
+    )
+    assert len(lines) == 2
 
 
 def test_each_vehicle_has_its_own_entities(tmp_path: Path) -> None:
