@@ -18,10 +18,9 @@ Indices = NDArray[np.intp]
 UNTOLD_DWELL_S = 20.0
 UNTOLD_SHARE = 1.0 / 3.0
 """A stop without a planned dwell takes so much of the running time to it, the lesser of the two."""
-RATE_MPS2 = 1.0
-"""Speeding up and braking, of a bus with standing passengers; road designers reckon with 0.6 to 0.9
-(TxDOT Roadway Design Manual, 22.3.4)."""
-HURRY_MAX = 1.5
+RATE_MPS2 = 2.0
+"""Speeding up and braking, of a bus with standing passengers."""
+HURRY_MAX = 1.2
 TINY_S = 1e-3
 ENDS_WITHIN_M = 50.0
 """A line that goes on no farther behind its last stop ends there."""
