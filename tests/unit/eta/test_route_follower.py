@@ -78,6 +78,6 @@ def test_progress_waits_for_a_vehicle_that_stood_between_its_reports() -> None:
 def test_while_progress_waits_std_and_arrivals_tell_where_the_vehicle_is() -> None:
     _, told = seen_seldom([10.0] * 271 + [0.0] * 40 + [10.0] * 200)
     waiting = [each for each in told if each.told_m > each.expected_m + 50.0]
-    assert len(waiting) > 10
+    assert len(waiting) > 5
     assert all(abs(each.told_m - each.true_m) < 2.0 * each.std_m for each in waiting)
     assert all(abs(each.expected_m - each.true_m) < 50.0 for each in waiting[:5])
