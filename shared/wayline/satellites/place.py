@@ -53,6 +53,8 @@ def rough_place_m(satellites: Sequence[Ranged]) -> Vector | None:
     for _ in range(ROUNDS):
         rays_m = np.array([_seen_m(each, solved) for each in satellites]) - solved[:3]
         ranges_m = np.linalg.norm(rays_m, axis=1)
+        if not ranges_m.all():
+            return None
         misfits_m = told_m - ranges_m - clocks @ solved[3:]
         design = np.hstack((-rays_m / ranges_m[:, np.newaxis], clocks))
         step, _, rank, _ = np.linalg.lstsq(design, misfits_m, rcond=None)

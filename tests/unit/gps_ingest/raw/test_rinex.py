@@ -111,6 +111,20 @@ def test_ephemerides_of_another_day_are_warned_of(files: RawSource, tmp_path: Pa
     assert "ephemeris too old" in warning
 
 
+@pytest.mark.parametrize("eccentricity", ["1.500000000000E+00", "             NaN "])
+def test_an_ephemeris_that_puts_a_satellite_nowhere_is_counted(
+    files: RawSource, eccentricity: str
+) -> None:
+    """A damaged digit is enough; the other satellites go on."""
+    nav = Path(files.navs[0])
+    of = sky(TOE_S + 300.0)[0].orbit.numbers["e"]
+    nav.write_text(nav.read_text().replace(f"{of:19.12E}", f"{eccentricity:>19}"))
+    recording = opened(files)
+    told = messages(recording)
+    assert [sum(each.x_m is None for each in epoch.satellites) for epoch in told] == [1] * 20
+    assert set(recording.account().left_out) & {"ephemeris damaged", "without ephemeris"}
+
+
 def test_a_file_that_is_cut_is_read_up_to_there(files: RawSource) -> None:
     text = Path(files.path).read_text()
     Path(files.path).write_text(text[: len(text) * 3 // 4])
