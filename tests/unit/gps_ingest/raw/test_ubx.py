@@ -86,6 +86,7 @@ def test_satellites_are_where_their_ephemerides_put_them(tmp_path: Path) -> None
         assert told.clock_bias_m == pytest.approx(
             seen.orbit.clock_s(sent_s) * SPEED_OF_LIGHT_MPS, abs=0.001
         )
+        assert told.doppler_hz == pytest.approx(measured.doppler_hz, abs=0.01)
         ahead, behind = (seen.orbit.place_m(sent_s + each) for each in (0.5, -0.5))
         motion = tuple(a - b for a, b in zip(ahead, behind, strict=True))
         assert (told.vx_mps, told.vy_mps, told.vz_mps) == pytest.approx(motion, abs=0.001)
