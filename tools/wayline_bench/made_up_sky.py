@@ -64,7 +64,7 @@ def signal(satellite: Orbit, tow_s: float, clock_m: float = 0.0) -> Signal:
 def pseudorange_m(satellite: Orbit, tow_s: float) -> float:
     """What a signal has travelled, less the satellite's clock's lead."""
     travelled_m = flight_m(satellite, tow_s)
-    lead_s = satellite.clock_s(tow_s - travelled_m / SPEED_OF_LIGHT_MPS)
+    lead_s = satellite.lead_s(tow_s - travelled_m / SPEED_OF_LIGHT_MPS)
     return travelled_m - lead_s * SPEED_OF_LIGHT_MPS
 
 

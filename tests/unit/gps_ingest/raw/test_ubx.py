@@ -84,7 +84,7 @@ def test_satellites_are_where_their_ephemerides_put_them(tmp_path: Path) -> None
             seen.orbit.place_m(sent_s), abs=0.002
         )
         assert told.clock_bias_m == pytest.approx(
-            seen.orbit.clock_s(sent_s) * SPEED_OF_LIGHT_MPS, abs=0.001
+            seen.orbit.lead_s(sent_s) * SPEED_OF_LIGHT_MPS, abs=0.001
         )
         assert told.doppler_hz == pytest.approx(measured.doppler_hz, abs=0.01)
         ahead, behind = (seen.orbit.place_m(sent_s + each) for each in (0.5, -0.5))
