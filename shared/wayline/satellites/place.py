@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wayline.messages import RawSatellite
 from wayline.satellites.earth import SPEED_OF_LIGHT_MPS, Vector, turned
@@ -68,7 +69,7 @@ def rough_place_m(satellites: Sequence[Ranged]) -> Vector | None:
     return None
 
 
-def _seen_m(satellite: Ranged, solved: np.ndarray) -> Vector:
+def _seen_m(satellite: Ranged, solved: NDArray[np.float64]) -> Vector:
     """A satellite's place in the frame of the reception."""
     flight_m = float(np.linalg.norm(np.array(satellite.place_m) - solved[:3]))
     return turned(satellite.place_m, flight_m / SPEED_OF_LIGHT_MPS)

@@ -1,7 +1,7 @@
 """What satellites broadcast of themselves, and what follows from it, by RTKLIB (pyrtklib5).
 
-The only module that imports the library: it is loaded where measurements come without the places of
-their satellites, or with the air's delay in them, and nowhere else.
+With `rinex` the only module that imports the library: both are loaded where measurements come
+without the places of their satellites, or with the air's delay in them, and nowhere else.
 """
 
 import weakref
@@ -83,15 +83,19 @@ class Broadcast:
         rtklib.init_raw(self._raw, rtklib.STRFMT_UBX)
         weakref.finalize(self, rtklib.free_raw, self._raw)
         self._nav = self._raw.nav
+        self._of_files = False
         self._ionosphere = self._nav.ion_gps
         self._asked = _lists()
         self._group_delays_s: dict[int, float] = {}
         self._known: set[int] = set()
 
     def read(self, path: Path) -> None:
-        """Take a RINEX navigation file, beside those read before. Raises InputError."""
-        if self._nav is self._raw.nav:
-            self._nav = rtklib.nav_t()
+        """Take a RINEX navigation file, beside those read before, in place of what was heard.
+
+        Raises InputError for a file that holds no ephemeris.
+        """
+        if not self._of_files:
+            self._of_files, self._nav = True, rtklib.nav_t()
             weakref.finalize(self, rtklib.freenav, self._nav, ALL_KINDS)
             self._ionosphere = self._nav.ion_gps
         before = self._nav.n + self._nav.ng

@@ -67,6 +67,15 @@ def test_an_observation_and_a_navigation_file_make_placed_satellites(files: RawS
         assert 0.0 < measured.pseudorange_m - (each.pseudorange_m or 0.0) < 40.0
 
 
+def test_several_navigation_files_are_one(files: RawSource, tmp_path: Path) -> None:
+    satellites = sky(TOE_S + 300.0)
+    parts = {"one.nav": satellites[:3], "other.nav": satellites[3:]}
+    for name, part in parts.items():
+        (tmp_path / name).write_text(navigation_file(each.orbit for each in part))
+    raw = RawSource(path=files.path, nav=tuple(str(tmp_path / name) for name in parts))
+    assert messages(opened(raw)) == messages(opened(files))
+
+
 def test_glonass_has_the_channel_of_the_header(tmp_path: Path) -> None:
     fields = [("R05", Signal(5, 2.1e7, -100.0))]
     (tmp_path / "raw.obs").write_text(observations([(0, 0.0, fields)]))
