@@ -20,6 +20,8 @@ from wayline_fusion.coupling.past import Past
 
 WAITING = 16
 """Epochs that are newer than the last tick; more are none."""
+SPACE_STD_M = 2.0
+"""Of a pseudorange: what broadcast orbits and clocks, and models of the air, leave."""
 SILENT_NS = 10_000_000_000
 """A receiver that has told nothing for so long no longer keeps another from being aided."""
 
@@ -121,6 +123,6 @@ class Aider:
         for system, offset in self._learned.offsets.items():
             after_s = (t_ns - offset.t_ns) * 1e-9
             walked = walked_m(math.sqrt(drift.variance), after_s)
-            variance = offset.variance + walked**2 + place_std_m**2
+            variance = offset.variance + walked**2 + place_std_m**2 + SPACE_STD_M**2
             clocks[system] = (offset.metres + drift.mps * after_s, math.sqrt(variance))
         return clocks
