@@ -66,6 +66,21 @@ class Line:
         )
         return float(lat_deg), float(lon_deg), wrap_360(float(back_deg) + 180.0)
 
+    def points_at(self, distances_m: Floats) -> tuple[Floats, Floats, Floats]:
+        """Latitudes, longitudes and headings as of `point_at`, shape (n,) each."""
+        clipped = np.clip(distances_m, 0.0, self.length_m)
+        legs = np.searchsorted(self.distances_m, clipped, side="right") - 1
+        legs = np.clip(legs, 0, len(self.legs_m) - 1)
+        lons_deg, lats_deg, backs_deg = WGS84.fwd(
+            self.lons_deg[legs],
+            self.lats_deg[legs],
+            self.headings_deg[legs],
+            clipped - self.distances_m[legs],
+        )
+        headings_deg = (np.asarray(backs_deg) + 180.0) % 360.0
+        headings_deg[headings_deg == 360.0] = 0.0
+        return np.asarray(lats_deg), np.asarray(lons_deg), headings_deg
+
     def leg_at(self, distance_m: float) -> int:
         """Index of the leg that holds a distance; at a vertex the one that begins there."""
         leg = int(self.distances_m.searchsorted(distance_m, side="right")) - 1

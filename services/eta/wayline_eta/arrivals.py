@@ -185,7 +185,7 @@ def _times(
         travels_s2 = travels_s2 + np.where(by.is_driven[order], 0.0, UNTOLD_STD_S**2)
     leaves = earliest_s + by.late_s[order], by.late_s2[order]
     ahead = _waiting((begins_s, begins_s2), (travels_s, travels_s2), (dwells_s, dwells_s2), leaves)
-    if not by.is_driven[order[0]]:
+    if not by.is_driven[order[0]] and order[0] < len(by.route.stops) - 1:
         ahead.arrivals_s[0] -= _untold_dwell_s(motion, outlook, float(visits_m[0]))
     return ahead
 
