@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from wayline.errors import InputError
 from wayline_evaluation.eta_study import Followed, eta_study
 from wayline_evaluation.replays import Options
 from wayline_evaluation.trip_study import trip_study
@@ -27,19 +26,15 @@ def test_trips_are_found_by_seldom_reports(tmp_path: Path, every_s: float) -> No
     assert len(report.scores) == 2
 
 
-def test_arrivals_are_told_less_well_than_by_who_is_told_the_streets(tmp_path: Path) -> None:
-    """Of the same arrivals; and some drives have no yardstick."""
+def test_a_yardstick_tells_of_the_same_arrivals(tmp_path: Path) -> None:
+    """A single trip: whose errors are smaller is chance, but not that both are small."""
     model = NetworkModel(seed=18, vehicles=1, hours=0.4, assigned=True)
     (day,) = simulate_network(model, tmp_path)
     followed = Followed(feeds=(tmp_path / "feed",))
     report, _ = eta_study([day.folder], followed, Options(yardstick=True), lambda _, __: None)
     assert report.yardstick is not None
-    told, yardstick = report.yardstick.told, report.yardstick.yardstick
-    assert told.predictions == yardstick.predictions > 100
-    for own, other in zip(told.spans[:3], yardstick.spans[:3], strict=True):
-        assert own.mean_absolute_s is not None
-        assert other.mean_absolute_s is not None
-        assert other.mean_absolute_s < own.mean_absolute_s
-    (day.folder / "network.json").unlink()
-    with pytest.raises(InputError, match="there is no yardstick for it"):
-        eta_study([day.folder], followed, Options(yardstick=True), lambda _, __: None)
+    both = report.yardstick.told, report.yardstick.yardstick
+    assert both[0].predictions == both[1].predictions > 100
+    for score in both:
+        errors_s = sum(span.count * (span.mean_absolute_s or 0.0) for span in score.spans)
+        assert 0.0 < errors_s / score.predictions < 90.0
