@@ -25,7 +25,7 @@ from unit.fusion.drives import (
     truth_of,
     winding,
 )
-from wayline.messages import Aiding, GpsFix, GpsRaw, Gyro, Message
+from wayline.messages import Aiding, GpsFix, GpsRaw, Gyro, Message, Odometer
 from wayline.node import Node
 from wayline.tuning import Tuning
 from wayline_fusion.core import FusionCore
@@ -259,12 +259,18 @@ def test_garbage_of_one_satellite_leaves_the_others_as_they_are(garbage: dict[st
 
 
 def test_an_epoch_far_ahead_holds_none_back() -> None:
-    def with_one_ahead(message: Message) -> Message:
-        if isinstance(message, GpsRaw) and message.t_ns == at(3.0):
-            return msgspec.structs.replace(message, t_ns=at(1e6))
-        return message
-
-    assert driven(circle, 20.0, change=with_one_ahead).aids
+    truths = truth_of(circle, 20.0)
+    way = Way(truths)
+    core = FusionCore(Tuning())
+    node = Node("fusion", core)
+    aids: list[Aiding] = []
+    for message in with_epochs(messages_of(circle, truths, MEMS), SKY, way):
+        aids += only(node.take(message, "test"), Aiding)
+        if isinstance(message, GpsFix) and message.t_ns == at(5.0):
+            core.handle(epoch(SKY, way, clock_m, 1e6), "test")
+    drift_mps = clock_m(20.0) - clock_m(19.0)
+    assert aids[-1].satellites[0].doppler_std_hz < aids[5].satellites[0].doppler_std_hz
+    assert aids[-1].clock_drift_mps == about(drift_mps, 0.3)
 
 
 def test_a_clock_that_is_set_by_a_millisecond_is_no_drift() -> None:
@@ -287,14 +293,15 @@ def test_a_clock_that_is_set_by_a_millisecond_is_no_drift() -> None:
 
 
 def test_a_second_receiver_with_another_clock_changes_nothing() -> None:
+    """It tells its epochs halfway between those of the first."""
     truths = truth_of(circle, 30.0)
     way = Way(truths)
     node = Node("fusion", FusionCore(Tuning()))
     drifts: list[float | None] = []
     for message in with_epochs(messages_of(circle, truths, MEMS), SKY, way):
         drifts += [aid.clock_drift_mps for aid in only(node.take(message, "first"), Aiding)]
-        if isinstance(message, GpsRaw):
-            seconds = seconds_of(message.t_ns)
+        seconds = seconds_of(message.t_ns)
+        if isinstance(message, Odometer) and seconds > 2.0 and seconds % 1.0 == about(0.5, 0.01):
             other = epoch(SKY, way, lambda seconds: -300.0 * seconds, seconds)
             drifts += [aid.clock_drift_mps for aid in only(node.take(other, "second"), Aiding)]
     assert drifts
@@ -327,7 +334,7 @@ def test_a_heading_that_is_wrong_shows_in_the_std() -> None:
     assert rms(off) < 3.0 * rms(after)
 
 
-@pytest.mark.parametrize("architecture", ["uncoupled", "gps_only"])
+@pytest.mark.parametrize("architecture", ["measurement", "uncoupled", "gps_only"])
 def test_every_architectures_velocity_aids(architecture: str) -> None:
     tuning = msgspec.convert({"architecture": architecture}, Tuning)
     off, _ = driven(straight, 90.0, Sensors(), tuning=tuning).errors_hz(60.0, 90.0)

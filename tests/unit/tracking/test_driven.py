@@ -42,6 +42,16 @@ def test_the_poses_own_stds_are_told() -> None:
     assert (stretches.speed_std_mps, stretches.heading_std_deg) == (1.0, 1.0)
 
 
+def test_a_drive_without_a_sky_gets_satellites_spread_evenly() -> None:
+    random = np.random.default_rng(1)
+    skyless = Driven("drive", poses(), [])
+    stretches = stretches_of(skyless, 10.0, 400, clock_hz_per_sqrt_s=0.0, random=random)
+    assert not stretches.tells_sky
+    elevations_deg = np.degrees(stretches.motions.elevations_rad)
+    assert elevations_deg.min() >= 15.0
+    assert np.mean(elevations_deg > 39.0) == pytest.approx(0.5, abs=0.07)
+
+
 def test_who_stands_has_no_stretch() -> None:
     still = poses()
     still.speeds_mps[:] = 0.1

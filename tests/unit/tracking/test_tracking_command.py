@@ -88,7 +88,7 @@ def test_figures_8_and_9_show_less_noise_with_the_aid(report: dict[str, Any]) ->
 
 
 def test_every_assumption_is_named(report: dict[str, Any]) -> None:
-    assert {"loop", "lock", "satellite", "clock", "aid", "bandwidth", "search"} <= set(
+    assert {"loop", "lock", "motion", "satellite", "clock", "aid", "bandwidth", "search"} <= set(
         report["assumptions"]
     )
 

@@ -6,22 +6,34 @@ from wayline_evaluation.tracking.loop import LOST_HZ, PAIR_S
 from wayline_evaluation.tracking.motion import MotionModel
 
 
+def of_random(motion: MotionModel) -> str:
+    """How vehicles move that no drive tells of."""
+    return (
+        f"at random: speeds {motion.speed_mps:g} +/- {motion.speed_std_mps:g} m/s over "
+        f"{motion.speed_time_s:g} s, {motion.lateral_std_mps2:g} m/s2 sideways over "
+        f"{motion.lateral_time_s:g} s, satellites spread above {motion.lowest_deg:g} deg"
+    )
+
+
+def of_drive(drive: str, lowest_deg: float, *, tells_sky: bool) -> str:
+    """Whose motion it is, and whose sky."""
+    if tells_sky:
+        return f"the poses of {drive}, under the satellites of its sky above {lowest_deg:g} deg"
+    return f"the poses of {drive}; it tells no sky: satellites spread above {lowest_deg:g} deg"
+
+
 def assumptions(
-    motion: MotionModel, aid: AidModel, searched: SearchModel, seconds: float, runs: int
+    moved: str, motion: MotionModel, aid: AidModel, searched: SearchModel, lasts: str
 ) -> dict[str, str]:
-    """By what they are about."""
+    """By what they are about; `moved` says how vehicles move, `lasts` how many and how long."""
     return {
         "loop": (
             "second order, damping 0.71, two correlations of 10 ms within a bit: "
             f"closed {1.0 / PAIR_S:g} times a second; cross product over the signal's power"
         ),
-        "lock": f"lost once the frequency is {LOST_HZ:g} Hz off, within {seconds:g} s",
-        "runs": f"{runs}, the same noise for every loop and level",
-        "random motion": (
-            f"speeds {motion.speed_mps:g} +/- {motion.speed_std_mps:g} m/s over "
-            f"{motion.speed_time_s:g} s, {motion.lateral_std_mps2:g} m/s2 sideways over "
-            f"{motion.lateral_time_s:g} s, satellites above {motion.lowest_deg:g} deg"
-        ),
+        "lock": f"lost once the frequency is {LOST_HZ:g} Hz off",
+        "runs": f"{lasts}; the same noise for every loop and level",
+        "motion": moved,
         "satellite": "its own motion and the bits are known or followed, and told to both loops",
         "clock": (
             f"the receiver's walks {motion.clock_hz_per_sqrt_s:g} Hz a root second; the aid "

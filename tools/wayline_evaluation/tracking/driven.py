@@ -13,7 +13,7 @@ from wayline.messages import GpsSky, Pose
 from wayline_evaluation.estimates import Estimates, Floats, estimates_of
 from wayline_evaluation.replays import read_topic
 from wayline_evaluation.tracking.loop import SAMPLES_HZ
-from wayline_evaluation.tracking.motion import Motions, clock_walks_hz
+from wayline_evaluation.tracking.motion import Motions, clock_walks_hz, spread_deg
 from wayline_replay.replay import replay
 
 MOVING_MPS = 3.0
@@ -28,7 +28,7 @@ class Driven(NamedTuple):
     estimates: Estimates
     """Of poses whose place, heading and speed are known."""
     satellites: Sequence[tuple[float, float, float]]
-    """Unix time, elevation and azimuth (degrees) of every one that was used."""
+    """Unix time, elevation and azimuth (degrees) of every one; none where the drive tells none."""
 
 
 class Stretches(NamedTuple):
@@ -38,10 +38,11 @@ class Stretches(NamedTuple):
     speed_std_mps: float
     heading_std_deg: float
     """Medians."""
+    tells_sky: bool
 
 
 def read_driven(folder: Path) -> Driven:
-    """Replay a drive. Raises InputError without poses that tell heading and speed, or a sky."""
+    """Replay a drive. Raises InputError without poses that tell heading and speed."""
     with tempfile.TemporaryDirectory(prefix="wayline-evaluate-") as temporary:
         out = Path(temporary)
         replay(folder, out)
@@ -58,9 +59,6 @@ def read_driven(folder: Path) -> Driven:
     if not moving:
         mend = "name a drive with GPS that moves"
         raise InputError(str(folder), "no pose of it tells heading and speed", mend)
-    if not satellites:
-        mend = "name a drive whose receiver tells its sky (GSV), or none for random motion"
-        raise InputError(str(folder), "tells no satellite's elevation and azimuth", mend)
     return Driven(str(folder), estimates_of(moving), satellites)
 
 
@@ -97,6 +95,7 @@ def stretches_of(
         motions,
         float(np.nanmedian(estimates.speed_stds_mps)),
         float(np.nanmedian(estimates.heading_stds_deg)),
+        tells_sky=bool(driven.satellites),
     )
 
 
@@ -117,7 +116,12 @@ def _starts_s(estimates: Estimates, seconds: float) -> Floats:
 
 
 def _under(driven: Driven, middles_s: Floats, random: np.random.Generator) -> tuple[Floats, Floats]:
-    """Elevations and azimuths (degrees) of one satellite each, of the sky nearest in time."""
+    """Elevations and azimuths (degrees) of one satellite each, of the sky nearest in time.
+
+    Of a drive that tells none they are spread evenly.
+    """
+    if not driven.satellites:
+        return spread_deg(len(middles_s), LOWEST_DEG, random)
     table = np.array(driven.satellites)
     skies_s = np.unique(table[:, 0])
     picked = np.empty((len(middles_s), 2))

@@ -77,14 +77,22 @@ def random_motions(
         samples, runs, model.lateral_time_s, 2, random
     )
     turns_rad = np.cumsum(lateral_mps2 / model.speed_mps / SAMPLES_HZ, axis=0)
-    lowest = math.sin(math.radians(model.lowest_deg))
+    first_rad = random.uniform(0.0, 2.0 * math.pi, runs)
+    elevations_deg, azimuths_deg = spread_deg(runs, model.lowest_deg, random)
     return Motions(
         speeds_mps=speeds_mps,
-        headings_rad=turns_rad + random.uniform(0.0, 2.0 * math.pi, runs),
-        elevations_rad=np.arcsin(random.uniform(lowest, 1.0, runs)),
-        azimuths_rad=random.uniform(0.0, 2.0 * math.pi, runs),
+        headings_rad=first_rad + turns_rad,
+        elevations_rad=np.radians(elevations_deg),
+        azimuths_rad=np.radians(azimuths_deg),
         clocks_hz=clock_walks_hz(model.clock_hz_per_sqrt_s, samples, runs, random),
     )
+
+
+def spread_deg(runs: int, lowest_deg: float, random: np.random.Generator) -> tuple[Floats, Floats]:
+    """Elevations above a mask and azimuths, spread evenly over the sky, degrees."""
+    lowest = math.sin(math.radians(lowest_deg))
+    elevations_deg = np.degrees(np.arcsin(random.uniform(lowest, 1.0, runs)))
+    return elevations_deg, random.uniform(0.0, 360.0, runs)
 
 
 def clock_walks_hz(

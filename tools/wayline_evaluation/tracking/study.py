@@ -20,8 +20,8 @@ from wayline_evaluation.tracking.aid import (
     doubtful,
     held,
 )
-from wayline_evaluation.tracking.assumptions import assumptions
-from wayline_evaluation.tracking.driven import read_driven, stretches_of
+from wayline_evaluation.tracking.assumptions import assumptions, of_drive, of_random
+from wayline_evaluation.tracking.driven import LOWEST_DEG, read_driven, stretches_of
 from wayline_evaluation.tracking.figures import (
     acquisition,
     family,
@@ -70,7 +70,7 @@ class Case(NamedTuple):
 
 def tracking_study(plan: Plan, folder: Path | None, progressed: Progressed) -> TrackingReport:
     """Loops under random motion, or that of a drive. Raises InputError for a drive without any."""
-    motions, model = _motions(plan, folder)
+    motions, model, moved = _motions(plan, folder)
     noise = white_noise(len(motions.speeds_mps), plan.runs, _random(plan, "noise"))
     aids = _Aids(plan, model, motions)
     right = aids.of()
@@ -79,7 +79,9 @@ def tracking_study(plan: Plan, folder: Path | None, progressed: Progressed) -> T
     std_hz = _rms(right.std_hz)
     return TrackingReport(
         drive=None if folder is None else drive_name(folder),
-        assumptions=assumptions(plan.motion, model, plan.search, plan.seconds, plan.runs),
+        assumptions=assumptions(
+            moved, plan.motion, model, plan.search, f"{plan.runs} of {plan.seconds:g} s each"
+        ),
         example_hz=thermal_example_hz(),
         jitters=family(),
         dynamics=Dynamics(
@@ -95,12 +97,16 @@ def tracking_study(plan: Plan, folder: Path | None, progressed: Progressed) -> T
     )
 
 
-def _motions(plan: Plan, folder: Path | None) -> tuple[Motions, AidModel]:
-    """And what an aid knows of them: of a drive as its poses claim."""
+def _motions(plan: Plan, folder: Path | None) -> tuple[Motions, AidModel, str]:
+    """With what an aid knows of them, of a drive as its poses claim, and where they are from."""
     random = _random(plan, "motion")
     if folder is None:
         samples = round(plan.seconds * SAMPLES_HZ)
-        return random_motions(plan.motion, samples, plan.runs, random), plan.aid
+        return (
+            random_motions(plan.motion, samples, plan.runs, random),
+            plan.aid,
+            of_random(plan.motion),
+        )
     stretches = stretches_of(
         read_driven(folder),
         plan.seconds,
@@ -113,7 +119,8 @@ def _motions(plan: Plan, folder: Path | None) -> tuple[Motions, AidModel]:
         speed_std_mps=stretches.speed_std_mps,
         heading_std_deg=stretches.heading_std_deg,
     )
-    return stretches.motions, model
+    moved = of_drive(drive_name(folder), LOWEST_DEG, tells_sky=stretches.tells_sky)
+    return stretches.motions, model, moved
 
 
 def _random(plan: Plan, what: str) -> np.random.Generator:

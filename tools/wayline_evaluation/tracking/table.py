@@ -24,13 +24,11 @@ def tracking_tables(report: TrackingReport) -> Iterator[Table]:
 
 
 def _assumptions(report: TrackingReport) -> Table:
-    motion = "random motion" if report.drive is None else f"motion and sky of {report.drive}"
-    table = Table(title=f"assumed ({motion})", title_justify="left", box=None, pad_edge=False)
+    table = Table(title="assumed", title_justify="left", box=None, pad_edge=False)
     table.add_column("")
     table.add_column("")
     for about, words in report.assumptions.items():
-        if report.drive is None or about != "random motion":
-            table.add_row(about, words)
+        table.add_row(about, words)
     return table
 
 

@@ -20,6 +20,8 @@ from wayline_fusion.coupling.past import Past
 
 WAITING = 16
 """Epochs that are newer than the last tick; more are none."""
+SPACE_STD_M = 2.0
+"""Of a pseudorange: what broadcast orbits and clocks, and models of the air, leave."""
 SILENT_NS = 10_000_000_000
 """A receiver that has told nothing for so long no longer keeps another from being aided."""
 
@@ -85,7 +87,7 @@ class Aider:
         drift_mps, drift_variance = (drift.mps, drift.variance_at(t_ns)) if drift else (0.0, 0.0)
         rates_mps = seen.rates_mps + (drift_mps - heard.clock_drifts_mps)
         age_mps = UNMODELLED_MPS2 * 1e-9 * (t_ns - heard.heard_ns)
-        variances = self._learned.doubt.factor * seen.rate_variances + drift_variance + age_mps**2
+        variances = self._learned.doubt_at(t_ns) * seen.rate_variances + drift_variance + age_mps**2
         rows = zip(
             heard.names,
             seen.ups.tolist(),
@@ -121,6 +123,6 @@ class Aider:
         for system, offset in self._learned.offsets.items():
             after_s = (t_ns - offset.t_ns) * 1e-9
             walked = walked_m(math.sqrt(drift.variance), after_s)
-            variance = offset.variance + walked**2 + place_std_m**2
+            variance = offset.variance + walked**2 + place_std_m**2 + SPACE_STD_M**2
             clocks[system] = (offset.metres + drift.mps * after_s, math.sqrt(variance))
         return clocks

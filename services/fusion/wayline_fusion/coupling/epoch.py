@@ -20,6 +20,11 @@ CRYSTAL_MPS = 1e4
 PSEUDORANGE_STD_M = 10.0
 """Of a receiver that claims none, among houses."""
 
+DOUBT_MIN = 0.1
+"""A pose's velocity may be a third of its std off, which wheels that are rounded make large."""
+SEEN_S = 10.0
+"""An aid that is better than it claims is so for about as long after it was last seen to be."""
+
 
 class Offset(NamedTuple):
     """By how much a system's pseudoranges are longer than its ranges, by the receiver's clock."""
@@ -47,38 +52,71 @@ class Learned(msgspec.Struct, frozen=True):
     """By system: each has a time of its own."""
     doubt: NoiseScale = NoiseScale()
     """Factor on the variance that the pose claims for its velocity along lines of sight."""
+    seen_ns: int = 0
+    """Of the last epoch that has told it."""
+
+    def doubt_at(self, t_ns: int) -> float:
+        """The factor at an instant: who is not held against satellites claims what it claims."""
+        factor = self.doubt.factor
+        if factor >= 1.0:
+            return factor
+        return 1.0 - (1.0 - factor) * math.exp((self.seen_ns - t_ns) * 1e-9 / SEEN_S)
 
 
 def learned(before: Learned, epoch: Epoch) -> Learned:
     """With what one more epoch tells of the clock and of the aid."""
-    drift, doubt, offsets = before.drift, before.doubt, _offsets(epoch)
-    shared: Shared | None
+    offsets, dopplers = _offsets(epoch), _dopplers(epoch)
+    doubt, seen_ns = before.doubt, before.seen_ns
+    if dopplers is None:
+        shared = _drift_of_offsets(before.offsets, offsets)
+    else:
+        shared = dopplers.shared
+        doubt, seen_ns = _doubted(doubt, dopplers), epoch.t_ns
+    drift = _drifted(before.drift, epoch.t_ns, shared)
+    return Learned(drift, {**before.offsets, **offsets}, doubt, seen_ns)
+
+
+def _drifted(drift: ClockDrift | None, t_ns: int, shared: Shared | None) -> ClockDrift | None:
+    if shared is None or abs(shared.value) > CRYSTAL_MPS:
+        return drift
+    return ClockDrift.first(t_ns, shared) if drift is None else drift.told(t_ns, shared)
+
+
+class Dopplers(NamedTuple):
+    """Of the satellites whose Doppler is told, as range rates, shape (n,)."""
+
+    shared: Shared
+    """What they are off alike: the clock's drift."""
+    left_mps: Floats
+    """What each is off besides."""
+    noise: Floats
+    claimed: Floats
+    """Variances of that: the receiver's own, and by what the pose claims."""
+
+
+def _dopplers(epoch: Epoch) -> Dopplers | None:
+    heard, seen = epoch.heard, epoch.expected
     dopplers_hz = _column([each.doppler_hz for each in epoch.satellites])
     told = ~np.isnan(dopplers_hz)
-    if told.any():
-        heard, seen = epoch.heard, epoch.expected
-        stds_hz = _column([each.doppler_std_hz for each in epoch.satellites], DOPPLER_STD_HZ)
-        noise = np.square(stds_hz / heard.hz_per_mps)[told]
-        off_mps = dopplers_hz / heard.hz_per_mps - (seen.rates_mps - heard.clock_drifts_mps)
-        variances = epoch.antenna.velocity_variances
-        shared = shared_part(off_mps[told], noise, seen.by_axes[told], variances)
-        doubt = _doubted(doubt, off_mps[told] - shared.value, noise, seen.rate_variances[told])
-    else:
-        shared = _drift_of_offsets(before.offsets, offsets)
-    if shared is not None and abs(shared.value) <= CRYSTAL_MPS:
-        t_ns = epoch.t_ns
-        drift = ClockDrift.first(t_ns, shared) if drift is None else drift.told(t_ns, shared)
-    return Learned(drift, {**before.offsets, **offsets}, doubt)
+    if not told.any():
+        return None
+    stds_hz = _column([each.doppler_std_hz for each in epoch.satellites], DOPPLER_STD_HZ)
+    noise = np.square(stds_hz / heard.hz_per_mps)[told]
+    rates_mps = dopplers_hz / heard.hz_per_mps
+    off_mps = (rates_mps - (seen.rates_mps - heard.clock_drifts_mps))[told]
+    shared = shared_part(off_mps, noise, seen.by_axes[told], epoch.antenna.velocity_variances)
+    return Dopplers(shared, off_mps - shared.value, noise, seen.rate_variances[told])
 
 
 def _column(values: list[float | None], unknown: float = math.nan) -> Floats:
     return np.array([unknown if value is None else value for value in values], dtype=np.float64)
 
 
-def _doubted(doubt: NoiseScale, off_mps: Floats, noise: Floats, claimed: Floats) -> NoiseScale:
-    """What is left of single satellites is the velocity's error, seen along their lines."""
-    for square, own, by_pose in zip(np.square(off_mps), noise, claimed, strict=True):
-        doubt = doubt.learned(float(square), float(own), float(by_pose), 1.0)
+def _doubted(doubt: NoiseScale, dopplers: Dopplers) -> NoiseScale:
+    """What single satellites are off is the velocity's error, seen along their lines."""
+    squares = np.square(dopplers.left_mps)
+    for square, own, by_pose in zip(squares, dopplers.noise, dopplers.claimed, strict=True):
+        doubt = doubt.learned(float(square), float(own), float(by_pose), DOUBT_MIN)
     return doubt
 
 

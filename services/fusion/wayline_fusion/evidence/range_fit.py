@@ -170,7 +170,7 @@ def _lines(
         np.concatenate([each.pseudoranges_m for each in epochs]) - sight.ranges_m,
         Signals(claimed_m, sight.directions[:, 2], cn0_dbhz).stds_m(floor_m),
         sight.directions,
-        np.array(others, dtype=np.float64).reshape(len(others), -1).T,
+        np.array(others, dtype=np.float64).reshape(len(others), len(systems)).T,
         np.repeat(way, counts),
         np.repeat(_bent(heard, now, way), counts),
         np.cumsum([0, *counts[:-1]]),
