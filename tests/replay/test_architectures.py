@@ -8,7 +8,7 @@ import pytest
 
 from wayline.tuning import ArchitectureName
 from wayline_evaluation.architectures import ArchitectureRow, architecture_rows
-from wayline_evaluation.commands import outages_command
+from wayline_evaluation.commands.positions import outages_command
 from wayline_evaluation.outages import OutageReport
 from wayline_replay.outages import Outage
 from wayline_replay.replay import replay

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from wayline.errors import InputError
-from wayline_evaluation.commands import progress
+from wayline_evaluation.commands.asking import progress
 from wayline_evaluation.figures import figures_of
 from wayline_evaluation.scenario_plan import study_drives
 from wayline_evaluation.scenario_study import study
