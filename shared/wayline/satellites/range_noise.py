@@ -24,11 +24,13 @@ class Signals(NamedTuple):
     def stds_m(self, floor_m: float) -> Floats:
         """Of the ranges; `floor_m` is that of a strong one from the zenith.
 
-        Twice as much for each 12 dB that a signal is weaker.
+        Half of the variance grows as elevations fall (T. Takasu, RTKLIB, E.5.2); the std doubles
+        for each 12 dB that a signal is weaker.
         """
         claimed_m = np.fmax(self.claimed_m, floor_m)
         weak_db = np.fmax(STRONG_DBHZ - self.cn0_dbhz, 0.0)
-        return claimed_m / np.maximum(self.sines, LOWEST_SIN) * 10.0 ** (weak_db / 40.0)
+        lower = np.maximum(self.sines, LOWEST_SIN) ** -2
+        return claimed_m * np.sqrt(0.5 * (1.0 + lower)) * 10.0 ** (weak_db / 40.0)
 
 
 def one_sided(off: Floats, wide: float) -> Floats:
