@@ -82,6 +82,13 @@ def test_raw_measurements_alone_place_a_vehicle(motion: Motion, has_doppler: boo
     assert max(heading_error_deg(pose, truths) for pose in poses) < 3.0
 
 
+@pytest.mark.parametrize("system", ["gps", "galileo"])
+def test_one_system_is_enough(system: str) -> None:
+    """Also one whose time the clock is not held against."""
+    truths, outputs = driven(winding, Receiver(offsets_m={system: 250.0}, has_doppler=False))
+    assert worst_m(outputs, truths, 60.0) < 4.0
+
+
 def test_it_is_as_sure_as_it_is_right() -> None:
     truths, outputs = driven(winding, Receiver(range_std_m=3.0), 200.0)
     inside = [

@@ -109,7 +109,7 @@ class Satellites:
             self._keep(used_ns=epoch.t_ns, used_m=estimate.distance_m)
             estimate.know(ranged_ns=epoch.t_ns)
         # with the height known, as many as east, north and a clock for each system
-        if np.count_nonzero(ranged) >= 2 + len({epoch.systems[row] for row in lines.rows[ranged]}):
+        if np.count_nonzero(ranged) >= 2 + len(np.unique(epoch.offsets[lines.rows[ranged]])):
             estimate.know(accepted_fix_ns=epoch.t_ns)
         self._watch(estimate, epoch, lines, found)
 
@@ -145,7 +145,8 @@ class Satellites:
     def _watch(self, estimate: Estimate, epoch: Ranges, lines: Lines, found: Judged) -> None:
         """Notice that satellites lock the filter out, and open it."""
         if found.refused_share(lines.is_range) <= 0.5:
-            self._keep(rejected=None)
+            if self.evidence.rejected is not None:
+                self._keep(rejected=None)
             return
         streak = rejected(self.evidence.rejected, epoch.t_ns)
         self._keep(rejected=streak)

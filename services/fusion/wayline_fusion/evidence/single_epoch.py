@@ -31,7 +31,8 @@ def fix_alone(epoch: Ranges, floor_m: float) -> tuple[Fix, float] | None:
 
     `floor_m` is the std of a strong range from the zenith.
     """
-    systems = _columns(epoch.systems)
+    # a column for each system's clock
+    systems = (epoch.offsets[:, None] == np.unique(epoch.offsets)).astype(np.float64)
     if len(epoch.names) < 3 + systems.shape[1]:
         return None
     solved = _placed(epoch, systems, floor_m)
@@ -44,12 +45,6 @@ def fix_alone(epoch: Ranges, floor_m: float) -> tuple[Fix, float] | None:
     sight = seen_from(ground, epoch.places_m, epoch.motions_mps)
     fix = Fix(epoch.t_ns, lat_deg, lon_deg, std_m, *_velocity(epoch, sight, weights))
     return fix, height_m
-
-
-def _columns(systems: tuple[str, ...]) -> Floats:
-    """One for each system's clock."""
-    known = sorted(set(systems))
-    return np.array([[each == name for name in known] for each in systems], dtype=np.float64)
 
 
 def _placed(epoch: Ranges, systems: Floats, floor_m: float) -> tuple[Floats, Floats, float] | None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from wayline.messages import GpsRaw, RawSatellite
 from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
-from wayline_fusion.intake.events import Ranges
+from wayline_fusion.intake.events import OTHER_SYSTEMS, Ranges
 
 LETTERS = {
     "gps": "G",
@@ -18,6 +18,7 @@ LETTERS = {
     "navic": "I",
 }
 """As RINEX calls the systems."""
+OFFSETS = {"gps": -1} | {system: place for place, system in enumerate(OTHER_SYSTEMS)}
 NEAREST_M, FARTHEST_M = 1.5e7, 6e7
 """A satellite that tells of a distance outside has lost its clock, or is none."""
 
@@ -30,7 +31,7 @@ def ranges_of(epoch: GpsRaw) -> Ranges | None:
     return Ranges(
         epoch.t_ns,
         tuple(f"{LETTERS[each.system]}{each.prn}" for each in usable),
-        tuple(each.system for each in usable),
+        np.array([OFFSETS[each.system] for each in usable], dtype=np.int64),
         np.array([(each.x_m, each.y_m, each.z_m) for each in usable], dtype=np.float64),
         _column([each.pseudorange_m for each in usable])
         + np.array([each.clock_bias_m or 0.0 for each in usable]),
