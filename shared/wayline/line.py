@@ -66,9 +66,24 @@ class Line:
         )
         return float(lat_deg), float(lon_deg), wrap_360(float(back_deg) + 180.0)
 
+    def points_at(self, distances_m: Floats) -> tuple[Floats, Floats, Floats]:
+        """Latitudes, longitudes and headings as of `point_at`, shape (n,) each."""
+        clipped = np.clip(distances_m, 0.0, self.length_m)
+        legs = np.searchsorted(self.distances_m, clipped, side="right") - 1
+        legs = np.clip(legs, 0, len(self.legs_m) - 1)
+        lons_deg, lats_deg, backs_deg = WGS84.fwd(
+            self.lons_deg[legs],
+            self.lats_deg[legs],
+            self.headings_deg[legs],
+            clipped - self.distances_m[legs],
+        )
+        headings_deg = (np.asarray(backs_deg) + 180.0) % 360.0
+        headings_deg[headings_deg == 360.0] = 0.0
+        return np.asarray(lats_deg), np.asarray(lons_deg), headings_deg
+
     def leg_at(self, distance_m: float) -> int:
         """Index of the leg that holds a distance; at a vertex the one that begins there."""
-        leg = int(np.searchsorted(self.distances_m, distance_m, side="right")) - 1
+        leg = int(self.distances_m.searchsorted(distance_m, side="right")) - 1
         return min(max(leg, 0), len(self.legs_m) - 1)
 
     def project(
@@ -116,7 +131,9 @@ class Line:
         squared = np.maximum(leg_east**2 + leg_north**2, 1e-12)
         share = -(east_m[:-1] * leg_east + north_m[:-1] * leg_north) / squared
         whole = from_m <= 0.0 and to_m >= self.length_m
-        share = np.clip(share, 0.0, 1.0) if whole else self._clipped(share, from_m, to_m)
+        share = (
+            np.minimum(np.maximum(share, 0.0), 1.0) if whole else self._clipped(share, from_m, to_m)
+        )
         offset_east = east_m[:-1] + share * leg_east
         offset_north = north_m[:-1] + share * leg_north
         offsets_m = np.hypot(offset_east, offset_north)

@@ -11,6 +11,7 @@ from functools import reduce
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 
 from wayline.database import open_database
@@ -20,7 +21,7 @@ from wayline_evaluation.slope_map_study import MapAccuracy, map_accuracy
 from wayline_replay.replay import replay
 from wayline_simulator.drive_folder import simulate
 from wayline_simulator.scenario import Scenario, overlaid
-from wayline_slope_map.export import export_rows
+from wayline_slope_map.export import ExportRow, export_rows
 
 TRUCK = overlaid(
     Scenario(preset="thesis", vehicle="truck"),
@@ -33,6 +34,7 @@ Altitude = Callable[[float, float], float]
 
 class Learned(NamedTuple):
     map: MapAccuracy
+    rows: list[ExportRow]
     reasons: set[tuple[str, str]]
     """Sensors and why something of them was not used."""
 
@@ -105,7 +107,7 @@ def learned(drive: Path, folder: Path, *, mapping: Edit = as_is, gps: Edit = as_
     statuses = (folder / "out" / "fusion_status.jsonl").read_text().splitlines()
     verdicts = [each for line in statuses for each in json.loads(line)["verdicts"]]
     reasons = {(each["sensor"], each["reason"]) for each in verdicts if not each["accepted"]}
-    return Learned(map_accuracy(rows, needed_truth(drive), 1), reasons)
+    return Learned(map_accuracy(rows, needed_truth(drive), 1), rows, reasons)
 
 
 def is_no_worse(found: MapAccuracy, than: MapAccuracy) -> bool:
@@ -189,3 +191,61 @@ def test_a_barometer_in_whole_kilopascals_is_as_none(
     folder = tmp_path / "coarse"
     simulate(overlaid(TRUCK, {"barometer": {"resolution_pa": 1000.0}}), folder)
     assert is_no_worse(learned(folder, tmp_path).map, without["barometer"])
+
+
+WATER_M = 10_400.0
+ABOARD_S = 300.0
+"""When the truck is on the ferry; it drives on at once, as if it had slept on board."""
+
+
+def ferried(text: str) -> str:
+    """From then on the receiver is on the other shore, to the north."""
+    first_s: list[float] = []
+    return "".join(_ferried_line(line, first_s) for line in text.splitlines(True))
+
+
+def _ferried_line(line: str, first_s: list[float]) -> str:
+    before, _, rest = line.rstrip("\n").partition("$")
+    fields = rest.partition("*")[0].split(",")
+    place = {"GGA": 2, "RMC": 3}.get(fields[0][2:])
+    if place is None or not fields[place]:
+        return line
+    time_s = int(fields[1][:2]) * 3600.0 + int(fields[1][2:4]) * 60.0 + float(fields[1][4:])
+    first_s.append(time_s)
+    if time_s - first_s[0] < ABOARD_S:
+        return line
+    lat_deg = int(fields[place][:2]) + float(fields[place][2:]) / 60.0 + WATER_M / 111_200.0
+    fields[place] = f"{int(lat_deg):02d}{60.0 * (lat_deg % 1.0):07.4f}"
+    body = ",".join(fields)
+    return f"{before}${body}*{reduce(lambda sum_, each: sum_ ^ ord(each), body, 0):02X}\n"
+
+
+def test_a_ferry_makes_no_road_across_the_water(drive: Path, tmp_path: Path) -> None:
+    """Bins lie on this shore or on the other one, and say what the road says there."""
+    found = learned(drive, tmp_path, gps=ferried)
+    truth = needed_truth(drive)
+    landed = [
+        row._replace(lat_deg=row.lat_deg - WATER_M / 111_200.0)
+        for row in found.rows
+        if row.lat_deg > float(np.nanmax(truth.lats_deg)) + 0.5 * WATER_M / 111_200.0
+    ]
+    here = [row for row in found.rows if row.lat_deg <= float(np.nanmax(truth.lats_deg)) + 0.001]
+    assert len(landed) > 50
+    assert len(here) > 50
+    assert len(landed) + len(here) == len(found.rows)
+    for shore in (here, landed):
+        on_road = map_accuracy(shore, truth, 1)
+        assert on_road.bins > 0.9 * len(shore)
+        assert on_road.rms_pct < 1.25 * on_road.std_pct
+
+
+@pytest.mark.parametrize("preset", ["thesis", "mems"])
+def test_a_car_park_teaches_no_road(preset: str, tmp_path: Path) -> None:
+    """Down a spiral of 12 %, backwards into a bay, and out again: only the street is learned."""
+    folder = tmp_path / "garage"
+    simulate(overlaid(Scenario(preset=preset), {"seed": 8, "road": {"kind": "garage"}}), folder)
+    found = learned(folder, tmp_path)
+    steepest_pct = float(np.nanmax(np.abs(needed_truth(folder).grades_pct)))
+    assert steepest_pct > 10.0
+    assert found.map.bins > 20
+    assert found.map.rms_pct < 1.25 * found.map.std_pct

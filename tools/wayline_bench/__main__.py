@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 from rich.console import Console
 
-from wayline_bench import eta, fleet, fusion, history, ingest, raw, smoothing, timetable
+from wayline_bench import eta, fleet, fusion, history, ingest, raw, slope, smoothing, timetable
 from wayline_bench.rounds import Say
 from wayline_bench.row import Row, table
 
@@ -22,6 +22,7 @@ BENCHES: dict[str, Bench] = {
     "history": history.bench,
     "raw": raw.bench,
     "timetable": timetable.bench,
+    "slope": slope.bench,
     "smoothing": smoothing.bench,
 }
 

@@ -20,16 +20,19 @@ ROUNDS = 5
 ROUND_S = 3.0
 BAR = 2.0
 """Ours may take so many times as long, for an answer and for the slowest hundredth of them."""
+MODULE = "wayline_bench.eta_http_server"
 YARDSTICK = "bare FastAPI, same bytes"
 
 
 def http_rows(say: Say) -> list[Row]:
     """An answer where as many as possible are asked for, and p99 at a third of the bare rate."""
-    with _server("ours") as ours, _server("bare") as bare:
+    with server(MODULE, "ours") as ours, server(MODULE, "bare") as bare:
         ports = {"ours": ours, "bare": bare}
-        spent_us = _alternating(ports, _answer_us, lambda text: say(f"http: {text}"))
+        spent_us = alternating(
+            ports, lambda port: answer_us(port, PATH), lambda text: say(f"http: {text}")
+        )
         pace_hz = 1e6 / float(np.median(spent_us["bare"])) / 3.0
-        p99_ms = _alternating(
+        p99_ms = alternating(
             ports, lambda port: _p99_ms(port, pace_hz), lambda text: say(f"http, p99: {text}")
         )
     what = "HTTP: 1 answer of 30 arrivals, as many as can be"
@@ -40,7 +43,7 @@ def http_rows(say: Say) -> list[Row]:
     ]
 
 
-def _alternating(
+def alternating(
     ports: Mapping[str, int], measure: Callable[[int], float], say: Say
 ) -> dict[str, list[float]]:
     """Rounds of each in turn; the first warms up and is not kept."""
@@ -54,8 +57,9 @@ def _alternating(
     return found
 
 
-def _answer_us(port: int) -> float:
-    return 1e6 / rate_hz(port, PATH, ROUND_S)
+def answer_us(port: int, path: str) -> float:
+    """Microseconds an answer, where as many as possible are asked for."""
+    return 1e6 / rate_hz(port, path, ROUND_S)
 
 
 def _p99_ms(port: int, pace_hz: float) -> float:
@@ -63,9 +67,9 @@ def _p99_ms(port: int, pace_hz: float) -> float:
 
 
 @contextlib.contextmanager
-def _server(kind: str) -> Iterator[int]:
+def server(module: str, kind: str) -> Iterator[int]:
     """The port of a server process that ends with the block."""
-    command = [sys.executable, "-m", "wayline_bench.eta_http_server", kind]
+    command = [sys.executable, "-m", module, kind]
     with subprocess.Popen(  # noqa: S603 - our own module
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as process:

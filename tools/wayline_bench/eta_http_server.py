@@ -52,11 +52,11 @@ def our_app(messages: list[Message]) -> FastAPI:
     return create_eta_app(board, [town_route()], ANYWHERE)
 
 
-def bare_app(body: bytes) -> FastAPI:
+def bare_app(body: bytes, path: str = PATH) -> FastAPI:
     """One endpoint that answers with what is there already."""
     app = FastAPI()
 
-    @app.get(PATH)
+    @app.get(path)
     async def bare() -> Response:
         return Response(body, media_type="application/json")
 

@@ -233,10 +233,20 @@ def eta_command(
     database: Annotated[
         str | None, typer.Option(help="URL; each drive builds on what those before have taught.")
     ] = None,
+    from_lap: Annotated[
+        int, typer.Option(min=1, help="Score what was told from this lap or trip of a drive on.")
+    ] = 1,
     out: Out = None,
     json: Json = None,
     plot: Plot = None,
     jobs: Jobs = 1,
+    yardstick: Annotated[
+        bool,
+        typer.Option(
+            "--yardstick",
+            help="Compare with who is told a simulated network's streets, or all other laps.",
+        ),
+    ] = False,
 ) -> None:
     """How good predicted arrivals were, by minutes ahead, against when the vehicle came."""
     from wayline_evaluation.eta_plot import plot_eta
@@ -246,8 +256,8 @@ def eta_command(
 
     check_targets(json, plot)
     with progress() as progressed:
-        options = Options(out=out, jobs=jobs)
-        followed = Followed(tuple(route or ()), tuple(feed or ()), database)
+        options = Options(out=out, jobs=jobs, yardstick=yardstick)
+        followed = Followed(tuple(route or ()), tuple(feed or ()), database, from_lap)
         report, runs = eta_study(drives, followed, options, progressed)
     _tell(eta_tables(report), report, json)
     if plot is not None:
@@ -296,41 +306,115 @@ def following_command(
     _tell([arrival_table(report)], report, json)
 
 
+@evaluate_app.command("tracking")
+def tracking_command(
+    drive: Annotated[
+        Path | None,
+        typer.Argument(help="A drive whose motion and sky the loops meet; none: random motion."),
+    ] = None,
+    *,
+    runs: Annotated[int, typer.Option(min=1, help="Loops simulated at each C/N0.")] = 100,
+    seconds: Annotated[float, typer.Option(min=1.0, help="Length of each.")] = 60.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of noise and motion.")] = 1,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """Carrier loops and search with and without the vehicle's velocity, as papers/001 has them."""
+    from wayline_evaluation.tracking.plot import plot_tracking
+    from wayline_evaluation.tracking.study import Plan, tracking_study
+    from wayline_evaluation.tracking.table import tracking_tables
+
+    check_targets(json, plot)
+    with progress("loops") as progressed:
+        plan = Plan(runs=runs, seconds=seconds, seed=seed)
+        report = tracking_study(plan, drive, progressed)
+    _tell(tracking_tables(report), report, json)
+    if plot is not None:
+        plot_tracking(report, plot)
+
+
+@evaluate_app.command("aiding")
+def aiding_command(
+    drives: Drives,
+    *,
+    length: Annotated[float, typer.Option(min=1.0, help="Seconds without GPS.")] = 60.0,
+    every: Annotated[float, typer.Option(help="Seconds from outage to outage.")] = 180.0,
+    start: Annotated[float, typer.Option(min=0.0, help="Seconds before the first.")] = 240.0,
+    json: Json = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Dopplers that fusion predicts for a receiver's loops, with GPS and without."""
+    from wayline_evaluation.tracking.aiding_study import AidingPlan, aiding_study
+    from wayline_evaluation.tracking.aiding_table import aiding_table
+
+    check_targets(json, None)
+    with progress() as progressed:
+        plan = AidingPlan(length_s=length, every_s=every, start_s=start)
+        report = aiding_study(drives, plan, jobs, progressed)
+    _tell([aiding_table(report)], report, json)
+
+
 @evaluate_app.command("slope")
 def slope_command(
     drives: Drives,
     *,
+    reference: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.csv",
+            help="The road's grade by place (as slope export writes it) in place of the truth.",
+        ),
+    ] = None,
+    resolution: Annotated[
+        list[float] | None,
+        typer.Option(
+            min=1.0, max=100.0, help="Length of the map's bins, m [default: 1 20 100]; repeatable."
+        ),
+    ] = None,
     out: Out = None,
     json: Json = None,
     plot: Plot = None,
     jobs: Jobs = 1,
     yardstick: Yardstick = False,
 ) -> None:
-    """Grade from each sensor alone (papers/004) and from fusion, on runs of one road."""
-    from wayline_evaluation.plots import plot_slope
+    """Grade from each sensor alone and from all, live and in the map, on runs of one road.
+
+    Against the truth, a reference, or, where there is neither, run against run.
+    """
     from wayline_evaluation.replays import Options
-    from wayline_evaluation.slope_study import slope_study
-    from wayline_evaluation.tables import slope_tables
+    from wayline_evaluation.slope_plot import plot_slope
+    from wayline_evaluation.slope_reference import read_road
+    from wayline_evaluation.slope_study import RESOLUTIONS_M, slope_study
+    from wayline_evaluation.slope_table import slope_tables
 
     check_targets(json, plot)
-    with progress() as progressed:
-        options = Options(out=out, jobs=jobs, yardstick=yardstick)
-        report, profiles = slope_study(drives, options, progressed)
+    road = None if reference is None else read_road(reference)
+    with progress("drives") as progressed:
+        report, profiles, drivings = slope_study(
+            drives,
+            Options(out=out, jobs=jobs, yardstick=yardstick),
+            progressed,
+            reference=road,
+            resolutions_m=tuple(sorted(set(resolution or RESOLUTIONS_M))),
+        )
     _tell(slope_tables(report), report, json)
     if plot is not None:
-        plot_slope(profiles, plot)
+        plot_slope(profiles, [driving.mass_kg for driving in drivings], plot)
 
 
 @evaluate_app.command("slope-map")
-def slope_map_command(drives: Drives, *, json: Json = None) -> None:
+def slope_map_command(drives: Drives, *, json: Json = None, plot: Plot = None) -> None:
     """The slope map after each of several drives over one road, beside the first one's truth."""
     from wayline_evaluation.slope_map_study import map_study
-    from wayline_evaluation.tables import slope_map_tables
+    from wayline_evaluation.slope_plot import plot_slope_map
+    from wayline_evaluation.slope_table import slope_map_tables
 
-    check_targets(json, None)
+    check_targets(json, plot)
     with progress() as progressed:
-        report = map_study(drives, progressed)
+        report, shown = map_study(drives, progressed)
     _tell(slope_map_tables(report), report, json)
+    if plot is not None:
+        plot_slope_map(report, shown, plot)
 
 
 @evaluate_app.command("sensors")

@@ -9,7 +9,6 @@ import numpy as np
 from wayline.errors import InputError
 from wayline_evaluation.accuracy import ScoredDrive
 from wayline_evaluation.outages import OutageReport
-from wayline_evaluation.slope import Profiles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -109,19 +108,6 @@ def plot_outages(report: OutageReport, path: Path) -> None:
         xlim=(0.0, None),
         ylim=(0.0, 1.1 * highest_m),
     )
-    save_figure(figure, path)
-
-
-def plot_slope(profiles: Profiles, path: Path) -> None:
-    """Every way's runs over the road, the truth beneath."""
-    figure = new_figure(11.0, 2.2 * len(profiles.ways) + 0.5)
-    axes = figure.subplots(len(profiles.ways), 1, sharex=True, squeeze=False)[:, 0]
-    for one, (name, grades_pct) in zip(axes, profiles.ways.items(), strict=True):
-        one.plot(profiles.distances_m / 1000.0, profiles.true_pct, color="0.6", lw=2.5)
-        one.plot(profiles.distances_m / 1000.0, grades_pct.T, lw=0.7)
-        one.set(ylabel=f"{name}, %")
-        one.grid(visible=True, alpha=0.3)
-    axes[-1].set(xlabel="distance, km (thick: truth, thin: a run each)")
     save_figure(figure, path)
 
 

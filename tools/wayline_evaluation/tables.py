@@ -8,8 +8,6 @@ from wayline_evaluation.accuracy import AccuracyReport, DriveAccuracy
 from wayline_evaluation.architectures import ArchitectureRow, architecture_rows, paper_rows
 from wayline_evaluation.figures import Consistency, Errors, Figures, Inside
 from wayline_evaluation.outages import OutageReport, OutageScore
-from wayline_evaluation.slope import SlopeReport
-from wayline_evaluation.slope_map_study import MapReport
 
 QUANTITIES = {
     "horizontal_m": "horizontal, m",
@@ -194,34 +192,6 @@ def _architecture_cells(row: ArchitectureRow) -> Iterator[str]:
 def _cells(figures: Figures) -> Iterator[str]:
     for name in ("rms", "p50", "p68", "p90", "p95", "max"):
         yield f"{getattr(figures, name):.1f}"
-
-
-def slope_tables(report: SlopeReport) -> Iterator[Table]:
-    """One row a way to know the grade."""
-    table = _table(f"grade of {len(report.runs)} runs at {report.points} points, %")
-    table.add_column("from")
-    for name in ("shift, s", "rms", "p50", "p68", "p95", "spread", "rms of the average"):
-        table.add_column(name, justify="right")
-    for name, way in report.ways.items():
-        found = way.grade_pct
-        figures = () if found is None else (found.rms, found.p50, found.p68, found.p95)
-        spread = "" if way.spread_pct is None else f"{way.spread_pct:.2f}"
-        average = "" if way.mean_grade_pct is None else f"{way.mean_grade_pct.rms:.2f}"
-        shown = [f"{value:.2f}" for value in figures] or [""] * 4
-        table.add_row(name, f"{way.shift_s:g}", *shown, spread, average)
-    yield table
-
-
-def slope_map_tables(report: MapReport) -> Iterator[Table]:
-    """One row a run."""
-    table = _table("slope map after each run, %")
-    for name in ("runs", "bins", "rms", "mean", "claimed std", "inside it", "flagged"):
-        table.add_column(name, justify="right")
-    for each in report.after:
-        figures = (f"{value:.3f}" for value in (each.rms_pct, each.mean_pct, each.std_pct))
-        share = f"{100.0 * each.inside_share:.0f}"
-        table.add_row(f"{each.runs}", f"{each.bins}", *figures, share, f"{each.flagged_bins}")
-    yield table
 
 
 def _table(title: str) -> Table:

@@ -1,5 +1,8 @@
 """Pure: drives a vehicle along a course from rest to rest."""
 
+from collections.abc import Sequence
+
+import msgspec
 import numpy as np
 
 from wayline_simulator.ceiling import ceiling_mps
@@ -8,6 +11,7 @@ from wayline_simulator.drive_train import RPM_PER_RADPS
 from wayline_simulator.driver import DriverModel
 from wayline_simulator.foot import Foot, pedals
 from wayline_simulator.journey import MOTION_STEP_S, Motion
+from wayline_simulator.loads import LoadChange, masses_kg, with_loads
 from wayline_simulator.road_load import GRAVITY_MPS2, road_load
 from wayline_simulator.rollout import Records, Rollout
 from wayline_simulator.traffic import flow_share, planned_stops, queues
@@ -22,24 +26,33 @@ def drive(
     driver: DriverModel,
     weather: Weather,
     random: np.random.Generator,
+    *,
+    loads: Sequence[LoadChange] = (),
 ) -> Motion:
     """How the vehicle drives the whole course. Raises InputError where it cannot climb it."""
     share = flow_share(course, driver, random)
     jams = queues(course, driver, random)
     stops = planned_stops(course, driver, jams, random)
-    load = road_load(course, vehicle, weather, random)
+    masses = masses_kg(course.distances_m, vehicle.mass_kg, loads)
+    load = road_load(course, vehicle, weather, random, masses)
     ceiling = ceiling_mps(course, vehicle, driver, share, jams)
     foot = Foot(pedals(vehicle, driver), ceiling.tolist())
     rollout = Rollout(course, vehicle, load, foot)
     rollout.stand(driver.wait_start_s, parked=True)
-    for stop in stops:
+    changed = {each.distance_m: each.mass_kg for each in loads}
+    for stop in with_loads(stops, loads):
         rollout.go_to(stop)
         rollout.stand(stop.wait_s, parked=stop.parked)
-    return _motion(rollout.records(), vehicle, driver, weather, random)
+        if stop.distance_m in changed:
+            rollout.load(msgspec.structs.replace(vehicle, mass_kg=changed[stop.distance_m]))
+    records = rollout.records()
+    masses = masses_kg(records.path_m, vehicle.mass_kg, loads)
+    return _motion(records, masses, vehicle, driver, weather, random)
 
 
-def _motion(
+def _motion(  # noqa: PLR0917 -- who drives what, where and when
     records: Records,
+    masses: Floats,
     vehicle: VehicleModel,
     driver: DriverModel,
     weather: Weather,
@@ -48,7 +61,7 @@ def _motion(
     times_s = MOTION_STEP_S * np.arange(len(records.path_m), dtype=np.float64)
     gear = records.gear.astype(np.int8)
     brake, clutch = records.brake > 0.0, records.clutch > 0.0
-    rolling_radps = _rolling_radps(records, times_s, vehicle, weather, random)
+    rolling_radps = _rolling_radps(records, masses, times_s, vehicle, weather, random)
     spinning_radps = (
         spinning_mps(records.speeds_mps, driver.spin_probability, random) / vehicle.wheel_radius_m
     )
@@ -74,8 +87,9 @@ def _motion(
     )
 
 
-def _rolling_radps(
+def _rolling_radps(  # noqa: PLR0917 -- as `_motion`
     records: Records,
+    masses: Floats,
     times_s: Floats,
     vehicle: VehicleModel,
     weather: Weather,
@@ -86,12 +100,12 @@ def _rolling_radps(
     radius_m = rolling_radius_m(
         tyres,
         nominal_m=vehicle.wheel_radius_m,
-        mass_kg=vehicle.mass_kg,
+        mass_kg=masses,
         inflation=1.0 + tyres.pressure_std * random.standard_normal(),
         temperature_c=weather.temperature_c,
         times_s=times_s,
         speeds_mps=records.speeds_mps,
     )
     force_n = records.drive_force_n - vehicle.driven_share * records.brake_force_n
-    load_n = vehicle.driven_share * vehicle.mass_kg * GRAVITY_MPS2
+    load_n = vehicle.driven_share * masses * GRAVITY_MPS2
     return records.speeds_mps / radius_m * (1.0 + slip(tyres, force_n, load_n))

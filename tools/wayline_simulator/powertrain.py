@@ -73,6 +73,10 @@ class Powertrain:
         self.force_n = 0.0
         self.speed_rpm = self._engine.idle_rpm
 
+    def load(self, mass_kg: float) -> None:
+        """Choose gears for another mass from now on."""
+        self._mass_kg = mass_kg
+
     def launch(self, *, backwards: bool) -> None:
         """A gear in, the clutch still open."""
         self.gear = -1 if backwards else self._gearbox.launch_gear

@@ -38,13 +38,21 @@ class RoadLoad(NamedTuple):
 
 
 def road_load(
-    course: Course, vehicle: VehicleModel, weather: Weather, random: np.random.Generator
+    course: Course,
+    vehicle: VehicleModel,
+    weather: Weather,
+    random: np.random.Generator,
+    masses_kg: Floats,
 ) -> RoadLoad:
-    """Forces on a vehicle that drives the course in its direction of travel."""
+    """Forces on a vehicle that drives the course in its direction of travel.
+
+    `masses_kg` at each of the course's samples, shape (n,).
+    """
     signs = np.where(course.backwards[:-1], -1.0, 1.0)
     grade = signs * _between(course.grade)
     level_share = 1.0 / np.sqrt(1.0 + grade**2)
-    weight_n = vehicle.mass_kg * GRAVITY_MPS2
+    # from a sample on the load is that of the next: it changes while the vehicle stands there
+    weight_n = masses_kg[1:] * GRAVITY_MPS2
     area_m2 = vehicle.frontal_area_m2 * vehicle.drag_coefficient
     return RoadLoad(
         slope_n=(weight_n * grade * level_share).tolist(),

@@ -69,6 +69,11 @@ class Rollout:
         row = (self._path_m, 0.0, 0.0, idle_rpm, 0.0, float(not parked), 1.0, 0.0, hold_n, 0.0)
         self._rows.extend(row * max(round(wait_s / MOTION_STEP_S), 1))
 
+    def load(self, vehicle: VehicleModel) -> None:
+        """Stand with another mass from now on."""
+        self._rigid_kg = rigid_mass_kg(vehicle)
+        self._powertrain.load(vehicle.mass_kg)
+
     def go_to(self, stop: Standstill) -> None:
         """From rest to rest at a stop."""
         ahead = self._backwards[min(round(self._path_m / STEP_M), self._last)]

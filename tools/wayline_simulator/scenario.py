@@ -12,6 +12,7 @@ from wayline.strict import Strict, fitted
 from wayline_simulator.damage import Damage
 from wayline_simulator.driver import DriverModel
 from wayline_simulator.gps_events import GpsEvents
+from wayline_simulator.loads import LoadChange
 from wayline_simulator.presets import PRESETS, Preset
 from wayline_simulator.raw_model import RawModel
 from wayline_simulator.road_model import RoadModel
@@ -33,6 +34,8 @@ class Scenario(Strict, frozen=True, kw_only=True):
     """A name in `wayline_simulator.vehicle.VEHICLES`."""
     mass_kg: Annotated[float, Meta(gt=0.0)] | None = None
     """Loaded otherwise than that vehicle."""
+    loads: tuple[LoadChange, ...] = ()
+    """Changes of the load on the way."""
     preset: str = "consumer"
     """A name in `wayline_simulator.presets.PRESETS`."""
     sensors: tuple[SensorName, ...] = SENSORS

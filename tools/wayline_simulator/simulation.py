@@ -71,7 +71,8 @@ def simulate_run(scenario: Scenario, course: Course, number: int) -> Run:
     vehicle, models = scenario.vehicle_model(), scenario.sensor_models()
     weather = drawn_weather(scenario.weather, random(Part.WEATHER))
     driver = drawn_driver(scenario.driver, random(Part.DRIVER))
-    journey = Journey(course, drive(course, vehicle, driver, weather, random(Part.MOTION)))
+    motion = drive(course, vehicle, driver, weather, random(Part.MOTION), loads=scenario.loads)
+    journey = Journey(course, motion)
     start_s = round(scenario.start.timestamp() + (number - 1) * scenario.run_every_h * 3600.0)
     fixes = None
     if models.gps:
@@ -112,5 +113,6 @@ def _facts(scenario: Scenario, models: Preset, weather: Weather, number: int) ->
         barometer=models.barometer,
         weather=weather,
         mass_kg=scenario.vehicle_model().mass_kg,
+        loads=scenario.loads,
         raw=scenario.raw if models.gps else None,
     )

@@ -59,7 +59,7 @@ def rolling_radius_m(
     tyres: TyreModel,
     *,
     nominal_m: float,
-    mass_kg: float,
+    mass_kg: float | Floats,
     inflation: float,
     temperature_c: float,
     times_s: Floats,
@@ -77,7 +77,7 @@ def rolling_radius_m(
     return nominal_m * (1.0 + growth - flattening + tyres.pressure_share * (pressure - 1.0))
 
 
-def slip(tyres: TyreModel, force_n: Floats, wheel_load_n: float) -> Floats:
+def slip(tyres: TyreModel, force_n: Floats, wheel_load_n: float | Floats) -> Floats:
     """Share by which wheels turn faster than they roll when they push with a force."""
     return np.clip(force_n / (tyres.slip_stiffness * wheel_load_n), -0.1, 0.1)
 

@@ -11,6 +11,7 @@ from wayline.inputs import Flush, Tick
 from wayline.messages import Barometer, GpsFix, GpsRaw, Gyro, Message, Odometer, Torque
 from wayline.tuning import Tuning
 from wayline_fusion.architectures.choice import chosen
+from wayline_fusion.coupling.aider import Aider
 from wayline_fusion.filter.timeline import Timeline
 from wayline_fusion.intake.events import Elapsed, Event, Ranges
 from wayline_fusion.intake.intake import Intake
@@ -50,6 +51,7 @@ class FusionCore:
         self._outputs = Outputs(
             self._estimator, self._vertical, self._told, tuning, vehicle.mass_kg
         )
+        self._aider = Aider()
         self._fix_delay_ns = 0
         """How much older than the newest event a fix is when it comes."""
         self._pose_ns = 0
@@ -116,9 +118,12 @@ class FusionCore:
     def _gps_fix(self, fix: GpsFix, source: str) -> Sequence[Message]:
         if self._is_refused(fix, source):
             return ()
+        if fix.geoid_sep_m is not None:
+            self._aider.geoid_sep_m = fix.geoid_sep_m
         return self._located(fix.t_ns, self._intake.fix(fix, source))
 
     def _gps_raw(self, epoch: GpsRaw, source: str) -> Sequence[Message]:
+        self._aider.take(epoch, source)
         if Ranges not in self._estimator.takes or self._is_refused(epoch, source):
             return ()
         return self._located(epoch.t_ns, self._intake.ranges(epoch))
@@ -152,6 +157,8 @@ class FusionCore:
         has_can = self._has_can(t_ns)
         if t_ns > self._pose_ns and (has_can or (on_second and without_fix)):
             messages.append(self._pose(t_ns, has_can=has_can))
+        if self._aider.is_needed:
+            messages += self._aider.due(t_ns, self._outputs.carried())
         if on_second:
             messages.append(self._outputs.status(t_ns))
         messages += self._keeper.due(t_ns, self._intake.heard_ns)

@@ -81,8 +81,10 @@ class RoadIndex:
         self._roads[road.road_id] = road
         within_m = ROUTE_WITHIN_M if road.is_route else ROAD_WITHIN_M
         length_m = road.line.length_m
-        for along_m in [*np.arange(0.0, length_m, SPACING_M).tolist(), length_m]:
-            at = road.line.point_at(along_m)
+        alongs_m = np.append(np.arange(0.0, length_m, SPACING_M), length_m)
+        columns = (each.tolist() for each in (alongs_m, *road.line.points_at(alongs_m)))
+        for along_m, lat_deg, lon_deg, heading_deg in zip(*columns, strict=True):
+            at = lat_deg, lon_deg, heading_deg
             self._put(_Point(road.road_id, along_m, *at, road.is_route, within_m))
 
     def add_place(

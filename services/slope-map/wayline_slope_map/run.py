@@ -1,7 +1,8 @@
 """Pure: turns a finished track into runs over roads, smoothed sensor by sensor."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from typing import get_args
 
 import numpy as np
 
@@ -12,14 +13,18 @@ from wayline_slope_map.altitudes import Measured, barometer_altitudes, gps_altit
 from wayline_slope_map.records import DrivenRun, FinishedRun, RunBin, Sensor
 from wayline_slope_map.roads import Road
 from wayline_slope_map.slopes import NO_SLOPES, run_slopes
-from wayline_slope_map.smoothing import Sensed, Smoothed, smooth
+from wayline_slope_map.smoothing import PASSES, Sensed, Smoothed, smooth
 from wayline_slope_map.stretches import cut
 from wayline_slope_map.track import Track
+from wayline_slope_map.walking_pace import is_driven
 
 NONE = np.empty(0)
 NOTHING = Measured(NONE, NONE, NONE, NONE, np.empty(0, dtype=np.intp))
+PASSES_ALONE = 2
+"""Over a run by one sensor, which is learned to be compared with the others."""
 REFERENCE_STEP_M = 20.0
 """Between the altitudes by the other sensors that a receiver's are compared with."""
+SENSORS: tuple[Sensor, ...] = get_args(Sensor)
 STEEPEST_PCT = 50.0
 """No road is steeper; keeps a bad run out and the sums inside 64 bits."""
 
@@ -42,7 +47,7 @@ def smoothed_runs(driven: DrivenRun) -> list[FinishedRun]:
     passed = [stretch.bins() for stretch in driven.stretches]
     sizes = [len(indices) for indices, _ in passed]
     travelled_m = np.concatenate([distances_m for _, distances_m in passed])
-    sensors = _smoothed_by_sensor(track, travelled_m, tuning)
+    sensors = _without_walked(smoothed_by_sensor(track, travelled_m, tuning), track, travelled_m)
     ends = np.cumsum(sizes).tolist()
     runs = []
     for stretch, (indices, _), end in zip(driven.stretches, passed, ends, strict=True):
@@ -65,10 +70,25 @@ def smoothed_runs(driven: DrivenRun) -> list[FinishedRun]:
     return runs
 
 
-def _smoothed_by_sensor(
-    track: Track, travelled_m: Floats, tuning: Tuning
+def _without_walked(
+    sensors: dict[Sensor, Smoothed], track: Track, travelled_m: Floats
 ) -> dict[Sensor, Smoothed]:
-    """The run by all sensors that are to be used, and by each alone (papers/004 eq. 5.16)."""
+    """Nothing is known where the run teaches no road."""
+    walked = ~is_driven(track, travelled_m)
+    return {
+        sensor: Smoothed(*(np.where(walked, np.nan, each) for each in smoothed))
+        for sensor, smoothed in sensors.items()
+    }
+
+
+def smoothed_by_sensor(
+    track: Track, travelled_m: Floats, tuning: Tuning, wanted: Collection[Sensor] = SENSORS
+) -> dict[Sensor, Smoothed]:
+    """Altitude and grade at distances travelled, shape (n,), by all sensors and by each alone.
+
+    `vertical_sensors` says which of them are used at all (papers/004 eq. 5.16); of those that are
+    `wanted`, the ones that tell too little are left out.
+    """
     used = tuning.vertical_sensors
     barometer = barometer_altitudes(track, tuning) if "barometer" in used else NOTHING
     slopes = run_slopes(track, tuning)
@@ -83,8 +103,9 @@ def _smoothed_by_sensor(
         "vehicle": Sensed(NOTHING, NOTHING, slopes["vehicle"]),
     }
     sensors = {}
-    for sensor, sensed in choices.items():
-        smoothed = smooth(sensed, times_s, travelled_m, tuning)
+    for sensor in wanted:
+        passes = PASSES if sensor == "fused" else PASSES_ALONE
+        smoothed = smooth(choices[sensor], times_s, travelled_m, tuning, passes)
         if smoothed is not None:
             sensors[sensor] = smoothed
     return sensors

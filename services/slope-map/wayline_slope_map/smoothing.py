@@ -17,7 +17,9 @@ from wayline.line import Floats
 from wayline.noise_scale import NoiseScale
 from wayline.tuning import Tuning
 from wayline.vertical.filter import VerticalFilter
+from wayline.vertical.loading import DOUBT_STD_SHARE, Loading
 from wayline.vertical.model import Pushed, Transition
+from wayline.vertical.smoother import rts
 from wayline.vertical.states import VerticalStates
 from wayline.vertical.trust import (
     LIKELY_PROBABILITY,
@@ -146,6 +148,8 @@ class _ForwardPass:
         self._curvature_std = start.curvature_std
         self._trust = [AltitudeTrust() for _ in range(receivers)]
         self._noise, self._slope_noise = NoiseScale(), NoiseScale()
+        self._loading = Loading()
+        self._gate = threshold(1, tuning.gate_probability)
         self._unbelievable = 0
         """Slopes beside a mass that the vehicle cannot have."""
         # without a barometer nothing but the road's own unrest tells noise from a hill
@@ -161,57 +165,66 @@ class _ForwardPass:
         kalman, count, size = self._kalman, len(nodes.times_s), self._kalman.model.size
         steps_m = np.maximum(np.diff(nodes.travelled_m, prepend=nodes.travelled_m[0]), 0.0)
         steps_s = np.maximum(np.diff(nodes.times_s, prepend=nodes.times_s[0]), 0.0)
-        x = np.empty((count, size))
-        P, F, Q = (np.empty((count, size, size)) for _ in range(3))
-        for k in range(count):
-            kalman.model.bend(self._curvature_std[k])
-            moved = kalman.advance(steps_m[k], steps_s[k])
-            F[k], Q[k] = self._take(nodes, k, moved)
+        x, P = np.empty((count, size)), np.empty((count, size, size))
+        F, Q = kalman.model.moves(steps_m, steps_s, self._curvature_std)
+        sensors, values, stds = (each.tolist() for each in (nodes.sensor, nodes.value, nodes.std))
+        times_ns = np.rint(1e9 * nodes.times_s).astype(np.int64).tolist()
+        for k, sensor in enumerate(sensors):
+            reading = _Reading(times_ns[k], values[k], stds[k])
+            self._take(sensor, reading, Transition(F[k], Q[k]))
             x[k], P[k] = kalman.x, kalman.P
-        smoothed_x, smoothed_P, _, _ = kalman.rts_smoother(x, P, Fs=F, Qs=Q)
-        return smoothed_x, smoothed_P
+        return rts(x, P, F, Q)
 
-    def _take(self, nodes: _Nodes, k: int, moved: Transition) -> Transition:
-        """Correct with what was measured; returns all that moved the state before that."""
-        sensor, value, std = int(nodes.sensor[k]), nodes.value[k], nodes.std[k]
+    def _take(self, sensor: int, reading: "_Reading", moved: Transition) -> None:
+        """Step to where something was measured and correct with it.
+
+        What moves the state before the correction is written into the step, for the way back.
+        """
+        if sensor <= FIRST_SLOPE:
+            window = self._windows[FIRST_SLOPE - sensor]
+            if window is not None:
+                self._begin(window, reading.t_ns, moved)
+            self._kalman.step(moved)
+            self._take_slope(reading, window)
+            return
+        self._kalman.step(moved)
         if sensor == BAROMETER:
-            self._take_pressure(value, std)
-        elif sensor <= FIRST_SLOPE:
-            return self._take_slope(value, std, self._windows[FIRST_SLOPE - sensor], moved)
+            self._take_pressure(reading)
         elif sensor != ASKED:
-            return self._take_altitude(sensor, value, std, round(1e9 * nodes.times_s[k]), moved)
-        return moved
+            self._take_altitude(sensor, reading, moved)
 
-    def _take_slope(
-        self, share: float, std: float, window: Window | None, moved: Transition
-    ) -> Transition:
+    def _begin(self, window: Window, t_ns: int, moved: Transition) -> None:
+        """Let a window of torque begin; after a stand the vehicle may have been loaded."""
+        self._kalman.model.handed_over(moved, window.speed_std_mps, goes_on=window.goes_on)
+        if self._loading.is_doubted(t_ns):
+            moved.Q[S.INVERSE_MASS, S.INVERSE_MASS] += DOUBT_STD_SHARE**2
+        self._loading = Loading(t_ns)
+
+    def _take_slope(self, reading: "_Reading", window: Window | None) -> None:
         """Correct with a slope of the engine, unless it is unlikely."""
-        kalman, noise = self._kalman, self._slope_noise
+        kalman, noise, std = self._kalman, self._slope_noise, reading.std
         noisy = math.sqrt(noise.factor) * std
         if window is None:
-            measurement = kalman.model.own_slope(kalman.x, share, noisy)
+            measurement = kalman.model.own_slope(kalman.x, reading.value, noisy)
         else:
-            moved = _after(
-                moved, kalman.project_window(window.speed_std_mps, goes_on=window.goes_on)
-            )
-            pushed = Pushed(window.length_s, share, window.level)
+            pushed = Pushed(window.length_s, reading.value, window.level)
             measurement = kalman.model.torque(kalman.x, pushed, noisy)
         if not is_believable_mass(kalman.mass):
             self._unbelievable += 1
-            return moved
-        if window is not None and window.is_braked:
-            if float(measurement.y[0]) > 0.0 and self._is_likely(measurement):
-                kalman.correct(measurement)
-            return moved
+            return
         expected = kalman.expected(measurement)
+        is_likely = self._is_likely(measurement, expected)
+        if window is not None and window.is_braked:
+            if float(measurement.y[0]) > 0.0 and is_likely:
+                kalman.correct(measurement)
+            return
         square = float(measurement.y[0]) ** 2
         self._slope_noise = noise.learned(square, float(expected[0, 0]), std**2, TORQUE_FACTOR_MIN)
-        if self._is_likely(measurement):
+        if is_likely:
             kalman.correct(weighed(measurement, expected, LIKELY_PROBABILITY))
-        return moved
 
-    def _take_pressure(self, alt_m: float, std_m: float) -> None:
-        kalman, noise = self._kalman, self._noise
+    def _take_pressure(self, reading: "_Reading") -> None:
+        kalman, noise, (_, alt_m, std_m) = self._kalman, self._noise, reading
         noisy_m = math.sqrt(noise.factor) * std_m
         measurement = kalman.model.barometer(kalman.x, alt_m, noisy_m)
         expected = kalman.expected(measurement)
@@ -219,43 +232,47 @@ class _ForwardPass:
         self._noise = noise.learned(square, float(expected[0, 0]), std_m**2, PRESSURE_FACTOR_MIN)
         kalman.correct(weighed(measurement, expected, self._tuning.gate_probability))
 
-    def _take_altitude(
-        self, receiver: int, alt_m: float, std_m: float, t_ns: int, moved: Transition
-    ) -> Transition:
-        kalman, trust = self._kalman, self._trust[receiver]
+    def _take_altitude(self, receiver: int, reading: "_Reading", moved: Transition) -> None:
+        kalman, trust, (t_ns, alt_m, std_m) = self._kalman, self._trust[receiver], reading
         slow_std_m, before_m = kalman.model.slow_std_m(std_m), trust.slow_std_m
         renewal = before_m and kalman.project_error(receiver, before_m, slow_std_m)
         if renewal:
-            moved = _after(moved, renewal)
+            _go_on(moved, renewal)
         if renewal or before_m is None:
             trust = msgspec.structs.replace(trust, slow_std_m=slow_std_m)
         measurement = kalman.model.gps_altitude(kalman.x, receiver, alt_m, std_m)
-        if self._is_likely(measurement):
-            kalman.correct(self._weighed(measurement))
+        expected = kalman.expected(measurement)
+        if self._is_likely(measurement, expected):
+            if self._has_barometer:
+                measurement = weighed(measurement, expected, LIKELY_PROBABILITY)
+            kalman.correct(measurement)
             trust = trust.after_accepted(t_ns) if trust.accepted_ns else trust.after_set(t_ns)
         else:
             off_m = float(measurement.y[0])
             trust = trust.after_rejected(t_ns, off_m, std_m)
             if trust.is_won(self._tuning):
-                moved = moved._replace(Q=moved.Q + kalman.inflate_altitude(off_m))
+                moved.Q[...] += kalman.inflate_altitude(off_m)
                 kalman.correct(measurement)
                 trust = trust.after_set(t_ns)
         self._trust[receiver] = trust
-        return moved
 
-    def _is_likely(self, measurement: Measurement) -> bool:
-        nis = nis_of(measurement, self._kalman.expected(measurement))
-        return nis <= threshold(1, self._tuning.gate_probability)
-
-    def _weighed(self, measurement: Measurement) -> Measurement:
-        if not self._has_barometer:
-            return measurement
-        return weighed(measurement, self._kalman.expected(measurement), LIKELY_PROBABILITY)
+    def _is_likely(self, measurement: Measurement, expected: Floats) -> bool:
+        return nis_of(measurement, expected) <= self._gate
 
 
-def _after(moved: Transition, then: Transition) -> Transition:
-    """Both in turn."""
-    return Transition(then.F @ moved.F, then.F @ moved.Q @ then.F.T + then.Q)
+class _Reading(NamedTuple):
+    """What was measured at a place; `value` and `std` as in `_Nodes`."""
+
+    t_ns: int
+    value: float
+    std: float
+
+
+def _go_on(moved: Transition, then: Transition) -> None:
+    """Let another step follow, written over the first."""
+    F, Q = moved
+    F[...] = then.F @ F
+    Q[...] = then.F @ Q @ then.F.T + then.Q
 
 
 def _first_state(gps: Measured, barometer: Measured) -> tuple[float, float, float]:

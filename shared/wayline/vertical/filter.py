@@ -34,7 +34,6 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         super().__init__(dim_x=self.model.size, dim_z=1)
         self._moved = self.model.transition(0.0, 0.0)
         self.F, self.Q = self._moved
-        self.inv = _inverse
 
     def add_receiver(self) -> None:
         """Make room for the slow error of one more."""
@@ -56,6 +55,12 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         moved = self.model.moved(self._moved, distance_m, elapsed_s)
         self.predict()
         return moved
+
+    def step(self, moved: Transition) -> None:
+        """Predict over a step, without what filterpy keeps of it."""
+        F, Q = moved
+        self.x = F.dot(self.x)
+        self.P = F.dot(self.P).dot(F.T) + Q
 
     def project_error(self, receiver: int, before_m: float, std_m: float) -> Transition | None:
         """Renew a receiver's slow error where its std is another one; None where it is not.
@@ -100,6 +105,13 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         self.P = self.P + gained
         return gained
 
+    def inflate_slope(self, std: float) -> Floats:
+        """Doubt the slope, a tangent. Returns what P gains."""
+        gained: Floats = np.zeros_like(self.P)
+        gained[S.SLOPE, S.SLOPE] = std**2
+        self.P = self.P + gained
+        return gained
+
     @property
     def mass(self) -> float:
         """True mass over the stated one."""
@@ -117,17 +129,19 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         return predicted
 
     def correct(self, measurement: Measurement) -> None:
-        """Update the state with a measurement that was made of it."""
-        H = measurement.H
-        z = measurement.y + H.dot(self.x)
-        self.update(float(z[0]), measurement.R, H)
+        """Update the state with a measurement of one number that was made of it.
+
+        As filterpy's update without its Joseph form and what it keeps of each step: a run is
+        corrected some ten thousand times.
+        """
+        H = measurement.H[0]
+        PH = self.P.dot(H)
+        std = math.sqrt(H.dot(PH) + measurement.R[0, 0])
+        root = PH / std
+        self.x = self.x + root * (measurement.y[0] / std)
+        self.P = self.P - root[:, np.newaxis] * root
 
     def std(self, state: int) -> float:
         """One sigma of a state, in the state's own unit."""
         variance: float = self.P.item(state, state)
         return 0.0 if variance < 0.0 else math.sqrt(variance)
-
-
-def _inverse(S: Floats) -> Floats:
-    """Of an innovation's covariance, a single number."""
-    return 1.0 / S

@@ -12,7 +12,7 @@ The engine's push tells of the slope by the mass, which is a state beside the pu
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,13 +22,17 @@ from wayline.vertical.road import Road
 from wayline.vertical.states import VerticalStates
 
 S = VerticalStates
+Number = Any
+"""A float, or floats of as many steps, shape (n,): the formulas are one."""
 ALTITUDE_UNKNOWN_M = 1_000.0
 """Std of an altitude of which nothing is known."""
 GRAVITY_MPS2 = 9.81
 MASS_ALONE_STD = 0.01
 """Of a mass that is taken as it is stated, as a share of it."""
 LOADED_AFTER_S = 300.0
-"""A vehicle that stands so long may have another load."""
+"""A vehicle that stands so long may weigh otherwise by as much as is not known of it at first."""
+STANDING_MPS = 0.1
+"""A vehicle that stands creeps by the noise of its position."""
 
 
 class Pushed(NamedTuple):
@@ -69,10 +73,6 @@ class VerticalModel:
         self._loading = self._mass_std**2 / LOADED_AFTER_S
         self._own_bias_std = tuning.vehicle_slope_bias_std_pct / 100.0
 
-    def bend(self, curvature_std: float) -> None:
-        """Let the road's curvature have another std from here on: tangent of the slope a metre."""
-        self._road.curvature_std = curvature_std
-
     def first(self) -> tuple[Floats, Floats]:
         """State and covariance before anything is known, shapes (size,) and (size, size)."""
         stds = np.ones(self.size)
@@ -95,18 +95,36 @@ class VerticalModel:
 
     def moved(self, into: Transition, distance_m: float, elapsed_s: float) -> Transition:
         """As `transition`, written over one that was made of this model before."""
-        F, Q = into
-        self._road.move(F, Q, distance_m)
-        Q[S.BARO_BIAS, S.BARO_BIAS] = self._bias_walk * elapsed_s
+        self._road.move(*into, distance_m)
         kept = math.exp(-elapsed_s / self._torque_bias_time_s)
+        kept_error = math.exp(-elapsed_s / self._error_time_s)
+        self._fade(*into, distance_m, elapsed_s, (kept, kept_error))
+        return into
+
+    def moves(self, distances_m: Floats, elapsed_s: Floats, curvature_stds: Floats) -> Transition:
+        """As `transition`, of many steps, shape (n,) each: F and Q of shape (n, size, size)."""
+        count = len(distances_m)
+        F, Q = np.tile(np.eye(self.size), (count, 1, 1)), np.zeros((count, self.size, self.size))
+        into = F.transpose(1, 2, 0), Q.transpose(1, 2, 0)
+        self._road.moves(*into, distances_m, curvature_stds)
+        kept = np.exp(-elapsed_s / self._torque_bias_time_s)
+        kept_error = np.exp(-elapsed_s / self._error_time_s)
+        self._fade(*into, distances_m, elapsed_s, (kept, kept_error))
+        return Transition(F, Q)
+
+    def _fade(
+        self, F: Floats, Q: Floats, distance_m: Number, elapsed_s: Number, kept_shares: Number
+    ) -> None:
+        """Write what time does: of torque's biases and receivers' errors these shares stay."""
+        kept, kept_error = kept_shares
+        Q[S.BARO_BIAS, S.BARO_BIAS] = self._bias_walk * elapsed_s
         F[S.TORQUE_BIAS, S.TORQUE_BIAS] = F[S.OWN_BIAS, S.OWN_BIAS] = kept
         Q[S.TORQUE_BIAS, S.TORQUE_BIAS] = self._torque_bias_std**2 * (1.0 - kept**2)
         Q[S.OWN_BIAS, S.OWN_BIAS] = self._own_bias_std**2 * (1.0 - kept**2)
-        Q[S.INVERSE_MASS, S.INVERSE_MASS] = self._loading * elapsed_s if distance_m == 0.0 else 0.0
-        kept = math.exp(-elapsed_s / self._error_time_s)
+        stands = abs(distance_m) <= STANDING_MPS * elapsed_s
+        Q[S.INVERSE_MASS, S.INVERSE_MASS] = self._loading * elapsed_s * stands
         for state in range(S.GPS_ERROR, self.size):
-            F[state, state], Q[state, state] = kept, 1.0 - kept**2
-        return into
+            F[state, state], Q[state, state] = kept_error, 1.0 - kept_error**2
 
     def renewal(self, receiver: int, kept: float) -> Transition:
         """At once: only a part of a receiver's slow error goes on, and a new one comes."""
@@ -121,7 +139,12 @@ class VerticalModel:
         Acceleration is a difference of two speeds, and the next window's has one of them: as
         states their errors cancel from window to window.
         """
-        F, Q = np.eye(self.size), np.zeros((self.size, self.size))
+        handed = Transition(np.eye(self.size), np.zeros((self.size, self.size)))
+        return self.handed_over(handed, std_mps, goes_on=goes_on)
+
+    def handed_over(self, moved: Transition, std_mps: float, *, goes_on: bool) -> Transition:
+        """A step that ends with a handover, written over the step; driving leaves the errors."""
+        F, Q = moved
         now, before = S.SPEED_ERROR, S.SPEED_ERROR_BEFORE
         F[now, now] = F[before, before] = 0.0
         Q[now, now] = std_mps**2
@@ -129,7 +152,7 @@ class VerticalModel:
             F[before, now] = 1.0
         else:
             Q[before, before] = std_mps**2
-        return Transition(F, Q)
+        return moved
 
     def slow_std_m(self, std_m: float) -> float:
         """The part of the std of a receiver's altitude that varies slowly."""

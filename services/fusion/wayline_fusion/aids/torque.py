@@ -6,6 +6,7 @@ import msgspec
 
 from wayline.agreement import Agreement, lasted_s, rejected
 from wayline.noise_scale import NoiseScale
+from wayline.vertical.loading import DOUBT_SLOPE_STD, DOUBT_STD_SHARE, Loading
 from wayline.vertical.model import Pushed
 from wayline.vertical.propulsion import Push
 from wayline.vertical.trust import TORQUE_FACTOR_MIN, is_believable_mass
@@ -19,6 +20,7 @@ class TorqueEvidence(msgspec.Struct, frozen=True):
     noise: NoiseScale = NoiseScale()
     """Of the variance that is configured."""
     rejected: Agreement | None = None
+    loading: Loading = Loading()
 
 
 class TorqueSlope:
@@ -27,7 +29,7 @@ class TorqueSlope:
     Starts: once an altitude is known, or at once where no altimeter is to be asked. Goes on: each
     likely one corrects slope, mass and its own bias, and teaches how noisy torque is. Stops: an
     unlikely one is rejected; where the mass comes out as no such vehicle's, none is used. Resets:
-    rejected for `torque_relock_after_s`, the mass is another one.
+    rejected for `torque_relock_after_s`, the mass is another one; after a stand it may be any.
     """
 
     def __init__(self) -> None:
@@ -40,13 +42,11 @@ class TorqueSlope:
             if {"gps", "barometer"} & set(tuning.vertical_sensors):
                 return UNUSED
             estimate.known = True
+        self._doubt_mass(estimate, push.t_ns)
+        streak, loading = self.evidence.rejected, self.evidence.loading
         white = tuning.torque_std_pct / 100.0 / math.sqrt(push.length_s)
         claimed = math.hypot(white, push.sampling_std)
         std = math.sqrt(noise.factor) * claimed
-        streak = self.evidence.rejected
-        if lasted_s(streak, push.t_ns) >= tuning.torque_relock_after_s:
-            kalman.inflate_mass(tuning.mass_std_share)
-            streak = None
         kalman.project_window(push.speed_std_mps, goes_on=push.goes_on)
         pushed = Pushed(push.length_s, push.share, push.level, push.behind_m)
         measurement = kalman.model.torque(kalman.x, pushed, std)
@@ -62,7 +62,18 @@ class TorqueSlope:
         noise = noise.learned(square, predicted, claimed**2, TORQUE_FACTOR_MIN)
         if outcome.is_accepted:
             estimate.note_torque()
-            self.evidence = TorqueEvidence(noise)
+            self.evidence = TorqueEvidence(noise, None, loading)
         else:
-            self.evidence = TorqueEvidence(noise, rejected(streak, push.t_ns))
+            self.evidence = TorqueEvidence(noise, rejected(streak, push.t_ns), loading)
         return outcome
+
+    def _doubt_mass(self, estimate: VerticalEstimate, t_ns: int) -> None:
+        """Doubt the mass after a stand, and where torques have been rejected for long."""
+        noise, streak, loading = msgspec.structs.astuple(self.evidence)
+        if loading.is_doubted(t_ns):
+            estimate.filter.inflate_mass(DOUBT_STD_SHARE)
+            estimate.filter.inflate_slope(DOUBT_SLOPE_STD)
+        if lasted_s(streak, t_ns) >= estimate.tuning.torque_relock_after_s:
+            estimate.filter.inflate_mass(estimate.tuning.mass_std_share)
+            streak = None
+        self.evidence = TorqueEvidence(noise, streak, Loading(t_ns))

@@ -144,7 +144,15 @@ def weights_of(lines: Lines, found: Judged) -> Floats:
     return np.where(lines.is_range, one_sided(found.off, 1.0), two_sided(found.off))
 
 
-def clock_step_m(lines: Lines, found: Judged) -> float | None:
+class ClockStep(NamedTuple):
+    """Of a receiver's clock, forward."""
+
+    length_m: float
+    is_whole: bool
+    """Whole milliseconds: the receiver has set it by itself."""
+
+
+def clock_step(lines: Lines, found: Judged) -> ClockStep | None:
     """By how much the clock seems to have stepped; None where most ranges are as expected."""
     off_m = lines.y[lines.is_range]
     if found.refused_share(lines.is_range) <= 0.5:
@@ -152,5 +160,5 @@ def clock_step_m(lines: Lines, found: Judged) -> float | None:
     median_m = float(np.median(off_m))
     whole_m = round(median_m / MILLISECOND_M) * MILLISECOND_M
     if whole_m and abs(median_m - whole_m) < STEP_REST_M:
-        return whole_m
-    return median_m if len(off_m) >= STEPPED_MIN else None
+        return ClockStep(whole_m, is_whole=True)
+    return ClockStep(median_m, is_whole=False) if len(off_m) >= STEPPED_MIN else None
