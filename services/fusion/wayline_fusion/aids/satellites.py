@@ -79,7 +79,7 @@ class Satellites:
         self.evidence = msgspec.structs.replace(self.evidence, **changes)
 
     def _is_settled(self, estimate: Estimate) -> bool:
-        """Whether the filter goes on by itself; a heading by course, or kept, may be sure at once."""
+        """Whether the filter goes on by itself; a heading by course, or a kept one, may be sure."""
         if not self.evidence.is_settled and estimate.located and not self.evidence.is_laid_out:
             is_sure = estimate.filter.std(S.HEADING) <= SURE_HEADING_RAD
             self._keep(is_settled=is_sure)
