@@ -68,9 +68,9 @@ def _placed(epoch: Ranges, systems: Floats, floor_m: float) -> tuple[Floats, Flo
             left_m = off_m - columns @ solution
             weights = one_sided(left_m / stds_m, 2.0) / stds_m**2
     covariance = np.linalg.inv(normal)[:3, :3]
-    # residuals larger than the stds say that the place is as much worse
+    # among many reflections, whatever weight they have kept, the place is as much worse
     free = max(len(weights) - columns.shape[1], 1)
-    scatter = max(math.sqrt(float(np.sum(weights * left_m**2)) / free), 1.0)
+    scatter = max(math.sqrt(float(np.sum(np.square(left_m / stds_m))) / free), 1.0)
     std_m = scatter * math.sqrt(float(np.trace(covariance)))
     return place_m, weights, math.hypot(STD_MIN_M, std_m)
 
