@@ -22,21 +22,25 @@ class Judged(NamedTuple):
 
     def refused_share(self, among: NDArray[np.bool_]) -> float:
         """Of some of them."""
-        return 1.0 - float(np.mean(self.is_accepted[among])) if among.any() else 0.0
+        total = np.count_nonzero(among)
+        accepted = np.count_nonzero(self.is_accepted & among)
+        return 1.0 - accepted / total if total else 0.0
 
 
 def judged(y: Floats, covariance: Floats, limit: float) -> Judged:
     """Refuse the most unlikely one as long as one is over the limit (of the squared `off`)."""
     inverse = np.linalg.inv(covariance)
-    is_accepted = np.ones(len(y), dtype=bool)
-    off = np.zeros(len(y))
-    while is_accepted.any():
-        kept = np.flatnonzero(is_accepted)
-        off[kept] = (inverse[np.ix_(kept, kept)] @ y[kept]) / np.sqrt(inverse[kept, kept])
-        worst = kept[int(np.argmax(np.abs(off[kept])))]
-        if off[worst] ** 2 <= limit:
+    off = inverse.dot(y) / np.sqrt(inverse.diagonal())
+    is_accepted = np.ones(len(y), dtype=np.bool_)
+    kept = np.arange(len(y))
+    while len(kept):
+        worst = int(np.abs(off[kept]).argmax())
+        if off[kept[worst]] ** 2 <= limit:
             break
-        is_accepted[worst] = False
         # without it the inverse is that of the covariance without its row and column
         inverse = inverse - np.outer(inverse[worst], inverse[worst]) / inverse[worst, worst]
+        inverse = np.delete(np.delete(inverse, worst, axis=0), worst, axis=1)
+        is_accepted[kept[worst]] = False
+        kept = np.delete(kept, worst)
+        off[kept] = inverse.dot(y[kept]) / np.sqrt(inverse.diagonal())
     return Judged(is_accepted, off)

@@ -6,14 +6,13 @@ from filterpy.kalman import ExtendedKalmanFilter
 from wayline.tuning import Tuning
 from wayline.vertical.filter import VerticalFilter
 from wayline_fusion.filter.horizontal import HorizontalFilter
-from wayline_fusion.filter.states import States
+from wayline_fusion.filter.states import SIZE, States
 
 
 class BareFilter:
     """As many states as fusion's filter, constant matrices, a measurement of one number."""
 
-    def __init__(self) -> None:
-        size = HorizontalFilter(Tuning()).dim_x
+    def __init__(self, size: int = SIZE) -> None:
         self._filter = kalman = ExtendedKalmanFilter(dim_x=size, dim_z=1)
         kalman.x = np.zeros(size)
         kalman.F = np.eye(size)

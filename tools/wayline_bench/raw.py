@@ -1,4 +1,4 @@
-"""`bench raw`: what raw measurements cost beside bare pyubx2."""
+"""`bench raw`: what raw measurements cost beside bare pyubx2 and bare filterpy."""
 
 import gc
 from collections.abc import Sequence
@@ -10,6 +10,7 @@ from pyubx2 import UBXReader
 
 from wayline.codec import encode
 from wayline_bench.made_up_sky import TOE_S, epoch, navigation, sky
+from wayline_bench.raw_epoch import epoch_row
 from wayline_bench.rounds import Say, Work, in_turns
 from wayline_bench.row import Row, compared
 from wayline_gps_ingest.raw.broadcast import Broadcast
@@ -45,7 +46,7 @@ def bench(say: Say) -> list[Row]:
         unit="us an epoch",
         bar=READING_BAR,
     )
-    return [reading, memory_row(messages, say)]
+    return [reading, memory_row(messages, say), epoch_row(say)]
 
 
 def receiver() -> UbxReceiver:

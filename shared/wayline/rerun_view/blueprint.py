@@ -75,10 +75,22 @@ def _page(vehicle_id: str, zoom: float) -> rrb.Container:
             _calibration(root, "horizontal sensors", HORIZONTAL),
             _calibration(root, "vertical sensors", VERTICAL),
             _calibration(root, "GPS", GPS),
+            _satellites(root),
             active_tab=0,
         ),
     )
     return rrb.Horizontal(left, right, column_shares=[1, 1], name=vehicle_id)
+
+
+def _satellites(root: str) -> rrb.Container:
+    """Where they stand, and by how many stds each one's range and range rate are off."""
+    around = rrb.VisualBounds2D(x_range=(-95.0, 95.0), y_range=(-95.0, 95.0))
+    return rrb.Horizontal(
+        rrb.Spatial2DView(origin=f"{root}/sky", name="sky, north up", visual_bounds=around),
+        _plot(root, "gps_raw", "ranges, stds off"),
+        _plot(root, "gps_raw_rate", "range rates, stds off", legend=False),
+        name="satellites",
+    )
 
 
 def _map(root: str, zoom: float) -> rrb.MapView:

@@ -11,7 +11,7 @@ import numpy as np
 import rerun as rr
 
 from wayline.rerun_view.shapes import Line
-from wayline.rerun_view.styles import style_of
+from wayline.rerun_view.styles import Colour, style_of
 
 TIMELINE = "measurement_time"
 """Every row lies on it: `t_ns` as a timestamp."""
@@ -38,6 +38,25 @@ def _lines(rows: Sequence[Line]) -> rr.ComponentColumnList:
 
 def _texts(rows: Sequence[str]) -> rr.ComponentColumnList:
     return rr.TextLog.columns(text=rows)
+
+
+class SkyPoint(NamedTuple):
+    """A satellite in a sky plot."""
+
+    place: tuple[float, float]
+    """Right and down of the zenith."""
+    colour: Colour
+    name: str
+
+
+def _skies(rows: Sequence[Sequence[SkyPoint]]) -> rr.ComponentColumnList:
+    points = [point for row in rows for point in row]
+    columns = rr.Points2D.columns(
+        positions=[point.place for point in points],
+        colors=[point.colour for point in points],
+        labels=[point.name for point in points],
+    )
+    return columns.partition([len(row) for row in rows])
 
 
 class _Column(NamedTuple):
@@ -77,6 +96,10 @@ class Columns:
     def line(self, path: str, t_ns: int, line: Line) -> None:
         """A line on the map."""
         self._add(path, _lines, t_ns, line)
+
+    def sky(self, path: str, t_ns: int, points: Sequence[SkyPoint]) -> None:
+        """All satellites of an instant in a sky plot."""
+        self._add(path, _skies, t_ns, points)
 
     def static(self, path: str, *archetypes: rr.AsComponents) -> None:
         """What holds at all times; sent at once."""

@@ -13,6 +13,7 @@ SIGMA: Colour = (62, 84, 120)
 GPS: Colour = (255, 157, 46)
 ODOMETER: Colour = (92, 200, 120)
 REJECTED: Colour = (240, 72, 72)
+ACCEPTED: Colour = (60, 170, 95)
 GATE: Colour = (170, 170, 170)
 KNOWN: Colour = (196, 130, 255)
 ROUTE: Colour = (150, 150, 160)
@@ -110,6 +111,9 @@ def _innovation(sensor: str, part: str) -> rr.AsComponents | None:
 
 
 _STYLES: dict[tuple[str, str], rr.AsComponents] = {
+    ("sky", "satellites"): rr.Points2D.from_fields(
+        radii=rr.Radius.ui_points(5.0), show_labels=True
+    ),
     ("map", "route"): _strokes(ROUTE, 2.0),
     ("map", "stops"): _dots(ROUTE, 5.0),
     ("map", "fixes"): _dots(GPS, 1.5),

@@ -12,6 +12,7 @@ from wayline.geo import step_between
 from wayline.messages import (
     FusionStatus,
     GpsFix,
+    GpsRaw,
     Horizon,
     Message,
     Odometer,
@@ -23,6 +24,7 @@ from wayline.messages import (
 from wayline.rerun_view.blueprint import NIS_TOP
 from wayline.rerun_view.columns import Columns
 from wayline.rerun_view.decimation import Decimator
+from wayline.rerun_view.satellites import SatelliteView, is_of_satellite
 from wayline.rerun_view.shapes import Extent, arrow_of, ellipse_of
 from wayline.route import Route
 
@@ -84,6 +86,7 @@ class RerunView:
         self._fixes: dict[int, tuple[float, float]] = {}
         self._poses: deque[_Place] = deque(maxlen=POSES_KEPT)
         self._path_from: Pose | None = None
+        self._satellites = SatelliteView(self._columns)
         self.extent = Extent()
         if routes:
             self._log_routes(routes)
@@ -126,6 +129,11 @@ class RerunView:
         self._fixes[fix.t_ns] = fix.lat_deg, fix.lon_deg
         if len(self._fixes) > FIXES_KEPT:
             del self._fixes[next(iter(self._fixes))]
+
+    def _take_raw(self, epoch: GpsRaw, source: str) -> None:
+        del source
+        place = self._poses[-1] if self._poses else None
+        self._satellites.hear(epoch, place and (place.lat_deg, place.lon_deg))
 
     def _take_odometer(self, odometer: Odometer, source: str) -> None:
         if self._plotted.is_due(f"odometer/{source}", odometer.t_ns):
@@ -173,8 +181,10 @@ class RerunView:
         for name, std_name in CALIBRATED:
             value, std = getattr(status, name), getattr(status, std_name)
             self._estimate(f"calibration/{name}", status.t_ns, value, std)
+        self._satellites.judge(each for each in status.verdicts if is_of_satellite(each))
         for verdict in status.verdicts:
-            self._take_verdict(verdict)
+            if not is_of_satellite(verdict):
+                self._take_verdict(verdict)
         for sensor, t_ns in self._judged_ns.items():
             if status.t_ns - t_ns > SILENT_AFTER_NS:
                 self._state(f"states/verdict/{sensor}", status.t_ns, "silent")
@@ -254,6 +264,7 @@ def reason_of(verdict: Verdict, off_m: float | None = None) -> str:
 
 _TAKERS: dict[type[Message], Callable[[RerunView, Any, str], None]] = {
     GpsFix: RerunView._take_fix,
+    GpsRaw: RerunView._take_raw,
     Odometer: RerunView._take_odometer,
     Torque: RerunView._take_torque,
     Pose: RerunView._take_pose,

@@ -24,11 +24,13 @@ class Signals(NamedTuple):
     def stds_m(self, floor_m: float) -> Floats:
         """Of the ranges; `floor_m` is that of a strong one from the zenith.
 
-        Twice as much for each 12 dB that a signal is weaker.
+        Half of the variance grows as elevations fall (T. Takasu, RTKLIB, E.5.2); the std doubles
+        for each 12 dB that a signal is weaker.
         """
         claimed_m = np.fmax(self.claimed_m, floor_m)
         weak_db = np.fmax(STRONG_DBHZ - self.cn0_dbhz, 0.0)
-        return claimed_m / np.maximum(self.sines, LOWEST_SIN) * 10.0 ** (weak_db / 40.0)
+        lower = np.maximum(self.sines, LOWEST_SIN) ** -2
+        return claimed_m * np.sqrt(0.5 * (1.0 + lower)) * 10.0 ** (weak_db / 40.0)
 
 
 def one_sided(off: Floats, wide: float) -> Floats:
@@ -37,10 +39,12 @@ def one_sided(off: Floats, wide: float) -> Floats:
     Reflections only lengthen: one too long loses its weight soon (Geman and McClure's), one too
     short later (Cauchy's).
     """
-    long, short = off / (2.0 * wide), off / (3.0 * wide)
-    return np.where(off > 0.0, (1.0 + long**2) ** -2, 1.0 / (1.0 + short**2))
+    # Geman and McClure's is 1 / (1 + u^2)^2, Cauchy's 1 / (1 + u^2)
+    is_long = off > 0.0
+    weight = 1.0 / (1.0 + np.square(off / np.where(is_long, 2.0 * wide, 3.0 * wide)))
+    return np.where(is_long, weight * weight, weight)
 
 
 def two_sided(off: Floats) -> Floats:
     """Weights, 0 to 1, of what is off by so many stds, to either side (Cauchy's)."""
-    return 1.0 / (1.0 + (off / 3.0) ** 2)
+    return 1.0 / (1.0 + np.square(off / 3.0))

@@ -4,12 +4,14 @@ import msgspec
 import numpy as np
 import pytest
 
+from builders import at
 from unit.evaluation.drives import START_S, eastwards, off
-from wayline.messages import GpsFix
+from wayline.messages import GpsFix, GpsRaw, RawSatellite
+from wayline.received import Received
 from wayline_evaluation.estimates import Estimates
 from wayline_evaluation.outages import OutageScore, outage_report, schedule, score_outage
 from wayline_evaluation.reference import Reference, fixes_reference
-from wayline_replay.outages import Outage
+from wayline_replay.outages import Outage, with_outages
 
 
 def drifting(truth: Reference, begin_s: float) -> Estimates:
@@ -100,3 +102,16 @@ def test_the_report_sums_up_by_filter_and_duration() -> None:
     ]
     assert report.ratios["60"].p50 == pytest.approx(3.0, abs=0.01)
     assert report.skipped == 1
+
+
+def test_an_outage_leaves_the_same_few_satellites_to_those_who_read_them() -> None:
+    """By system and number, so that it is the same ones all the time."""
+    seen = [("glonass", 1), ("gps", 21), ("gps", 4), ("galileo", 2), ("gps", 7)]
+    satellites = tuple(RawSatellite(system=system, prn=prn) for system, prn in seen)
+    messages = [
+        Received(at(seconds), 0, "gps-ingest", GpsRaw(t_ns=at(seconds), satellites=satellites))
+        for seconds in range(4)
+    ]
+    told = [each.message for each in with_outages(messages, [Outage(1.0, 2.0, 2)])]
+    kept = [[each.prn for each in epoch.satellites] for epoch in told if isinstance(epoch, GpsRaw)]
+    assert kept == [[1, 21, 4, 2, 7], [4, 7], [4, 7], [1, 21, 4, 2, 7]]

@@ -23,7 +23,9 @@ from unit.fusion.drives import (
     seconds_of,
     town,
     truth_of,
+    winding,
 )
+from unit.fusion.skies import Receiver, epochs_of, with_epochs
 from wayline.core import Record
 from wayline.messages import FusionStatus, GpsFix, Gyro, Message, Pose, Verdict
 from wayline.node import Node
@@ -33,6 +35,7 @@ from wayline_fusion.core import FusionCore
 from wayline_fusion.keeping.records import Saved
 
 NIGHT_S = 8.0 * 3600.0
+LOOSE = Tuning()
 SENSORS = Sensors(gyro_bias_degps=0.5, odometer_scale=0.97, gps_noise_m=1.0)
 
 
@@ -60,11 +63,13 @@ class Kept:
         return ()
 
 
-def run(messages: Iterable[Message], saved: Saved | None = None) -> tuple[list[Message], Saved]:
+def run(
+    messages: Iterable[Message], saved: Saved | None = None, tuning: Tuning = LOOSE
+) -> tuple[list[Message], Saved]:
     """What a core publishes, and what it keeps at the end."""
     published: list[Message] = []
     kept = Kept()
-    node = Node("fusion", FusionCore(Tuning(), saved), kept)
+    node = Node("fusion", FusionCore(tuning, saved), kept)
     pipeline = Pipeline([node], lambda message, _: published.append(message))
     for message in messages:
         pipeline.feed(message, "test")
@@ -130,6 +135,21 @@ def test_a_restart_in_a_tunnel_goes_on_with_the_same_pose(off_s: float) -> None:
     after = [pose for pose in poses if pose.t_ns >= at(410.0)]
     assert {pose.mode for pose in after} == {"fused"}
     assert max(error_m(pose, truths) for pose in after) < 5.0
+    assert only(outputs, FusionStatus)[0].calibration == "calibrated"
+
+
+def test_raw_measurements_confirm_what_was_kept() -> None:
+    """Two seconds without a computer, in the middle of bends; satellites are there all the time."""
+    tuning = Tuning(architecture="measurement")
+    truths = truth_of(winding, 180.0)
+    sensed = [each for each in heard(winding, truths, SENSORS) if not isinstance(each, GpsFix)]
+    messages = with_epochs(sensed, epochs_of(truths, Receiver()))
+    _, saved = run(between(messages, 0.0, 120.0), tuning=tuning)
+    outputs, _ = run(between(messages, 122.0, 180.0), saved, tuning)
+    poses = only(outputs, Pose)
+    assert poses[0].mode == "dead_reckoning"
+    assert {pose.mode for pose in poses if pose.t_ns >= at(125.0)} == {"fused"}
+    assert max(error_m(pose, truths) for pose in poses if pose.t_ns >= at(130.0)) < 3.0
     assert only(outputs, FusionStatus)[0].calibration == "calibrated"
 
 

@@ -14,11 +14,13 @@ from wayline.errors import InputError
 from wayline.geo import step_between
 from wayline.messages import (
     FusionStatus,
+    GpsRaw,
     Horizon,
     HorizonPoint,
     Message,
     Pose,
     Progress,
+    RawSatellite,
     Verdict,
 )
 from wayline.rerun_view import READS, RerunRecording
@@ -192,6 +194,37 @@ def test_a_sensor_without_verdicts_falls_silent(record: Record) -> None:
     rows = record([judged(1, accepted=True), *later])
     states = rows["/bus-7/states/verdict/gps_position"]
     assert states == [(at(1), ["accepted"]), (at(6.5), ["silent"])]
+
+
+def test_satellites_stand_in_the_sky_green_or_red(tmp_path: Path) -> None:
+    """East is right, the zenith in the middle; each range is off by the root of its NIS."""
+    satellites = (
+        RawSatellite(system="gps", prn=12, azimuth_deg=90.0, elevation_deg=60.0),
+        RawSatellite(system="glonass", prn=3, azimuth_deg=180.0, elevation_deg=30.0),
+    )
+    verdicts = (
+        Verdict(sensor="gps_raw G12", t_ns=at(1), accepted=True, nis=4.0, threshold=15.0),
+        Verdict(sensor="gps_raw R3", t_ns=at(1), accepted=False, nis=49.0, threshold=15.0),
+    )
+    path = tmp_path / "sky.rrd"
+    with RerunRecording(save=path) as recording:
+        recording.log("bus-7", GpsRaw(t_ns=at(1), satellites=satellites), "s")
+        recording.log("bus-7", FusionStatus(t_ns=at(1), verdicts=verdicts), "s")
+    rows = {
+        (chunk.entity_path, name.partition(":")[2]): chunk.to_record_batch()
+        .column(name)
+        .to_pylist()
+        for chunk in RrdReader(path).stream().to_chunks()
+        if not chunk.is_static
+        for name in chunk.to_record_batch().schema.names
+    }
+    ((east, south),) = rows["/bus-7/sky/satellites", "positions"]
+    assert np.allclose([east, south], [(30.0, 0.0), (0.0, 60.0)], atol=1e-4)
+    assert rows["/bus-7/sky/satellites", "labels"] == [["G12", "R3"]]
+    ((green, red),) = rows["/bus-7/sky/satellites", "colors"]
+    assert green != red
+    assert rows["/bus-7/gps_raw/R3", "scalars"] == [[7.0]]
+    assert not [entity for entity, _ in rows if "verdict" in entity]
 
 
 def test_an_estimate_lies_between_its_sigma_bounds(record: Record) -> None:

@@ -14,9 +14,8 @@ from wayline_fusion.evidence.single_epoch import fix_alone
 from wayline_fusion.filter.estimate import Estimate
 from wayline_fusion.filter.gate import UNUSED, Outcome
 from wayline_fusion.filter.ranges import (
-    MILLISECOND_M,
     Lines,
-    clock_step_m,
+    clock_step,
     lines_of,
     verdicts_of,
     weights_of,
@@ -40,6 +39,8 @@ class RangeEvidence(msgspec.Struct, frozen=True):
     """What earlier epochs have shown."""
 
     track: RangeTrack = RangeTrack()
+    is_laid_out: bool = False
+    """Place and heading are those of a fit."""
     is_settled: bool = False
     """The heading has been sure once, and satellites have not spoken against it since."""
     used_ns: int = 0
@@ -67,7 +68,7 @@ class Satellites:
         """Begin with an epoch where nothing is known, else correct with each of its satellites."""
         if not estimate.located or estimate.situation.position_unconfirmed:
             _begin(estimate, epoch)
-        if not self.evidence.is_settled:
+        if not self._is_settled(estimate):
             self._settle(estimate, epoch)
         ground = _ground(estimate)
         if ground is not None and estimate.located:
@@ -76,6 +77,13 @@ class Satellites:
 
     def _keep(self, **changes: object) -> None:
         self.evidence = msgspec.structs.replace(self.evidence, **changes)
+
+    def _is_settled(self, estimate: Estimate) -> bool:
+        """Whether the filter goes on by itself; a heading by course, or a kept one, may be sure."""
+        if not self.evidence.is_settled and estimate.located and not self.evidence.is_laid_out:
+            is_sure = estimate.filter.std(S.HEADING) <= SURE_HEADING_RAD
+            self._keep(is_settled=is_sure)
+        return self.evidence.is_settled
 
     def _settle(self, estimate: Estimate, epoch: Ranges) -> None:
         """Remember an epoch, and set place and heading to where all have the reckoned way."""
@@ -93,6 +101,7 @@ class Satellites:
         if fit is None or fit.turn_std_rad > sure_rad:
             return
         _place(estimate, fit)
+        self._keep(is_laid_out=True)
         if fit.turn_std_rad <= SURE_HEADING_RAD:
             self._keep(is_settled=True, track=RangeTrack())
 
@@ -109,20 +118,20 @@ class Satellites:
             self._keep(used_ns=epoch.t_ns, used_m=estimate.distance_m)
             estimate.know(ranged_ns=epoch.t_ns)
         # with the height known, as many as east, north and a clock for each system
-        if np.count_nonzero(ranged) >= 2 + len({epoch.systems[row] for row in lines.rows[ranged]}):
+        if np.count_nonzero(ranged) >= 2 + len(np.unique(epoch.offsets[lines.rows[ranged]])):
             estimate.know(accepted_fix_ns=epoch.t_ns)
         self._watch(estimate, epoch, lines, found)
 
     def _judge(self, estimate: Estimate, epoch: Ranges, ground: Ground) -> tuple[Lines, Judged]:
         """As they are; where the clock has stepped, after that."""
         lines, found = _judged(estimate, epoch, ground)
-        step_m = clock_step_m(lines, found)
-        if step_m is None:
+        step = clock_step(lines, found)
+        if step is None:
             return lines, found
         kalman = _filter(estimate)
         before = kalman.x, kalman.P
-        kalman.step_clock(step_m)
-        if step_m % MILLISECOND_M:
+        kalman.step_clock(step.length_m)
+        if not step.is_whole:
             # no receiver's own correction: its crystal does something else now
             kalman.reset_ranging(R.CLOCK, STEPPED_STD_M)
             kalman.reset_ranging(R.CLOCK_DRIFT, DRIFT_UNKNOWN_MPS)
@@ -130,7 +139,9 @@ class Satellites:
         if again[1].refused_share(again[0].is_range) > 0.5:
             kalman.x, kalman.P = before
             return lines, found
-        estimate.tell("gps_raw_clock", epoch.t_ns, f"the clock has stepped by {step_m:,.0f} m")
+        estimate.tell(
+            "gps_raw_clock", epoch.t_ns, f"the clock has stepped by {step.length_m:,.0f} m"
+        )
         return again
 
     def _variances(self, estimate: Estimate, lines: Lines, found: Judged) -> np.ndarray:
@@ -145,7 +156,8 @@ class Satellites:
     def _watch(self, estimate: Estimate, epoch: Ranges, lines: Lines, found: Judged) -> None:
         """Notice that satellites lock the filter out, and open it."""
         if found.refused_share(lines.is_range) <= 0.5:
-            self._keep(rejected=None)
+            if self.evidence.rejected is not None:
+                self._keep(rejected=None)
             return
         streak = rejected(self.evidence.rejected, epoch.t_ns)
         self._keep(rejected=streak)
@@ -155,7 +167,7 @@ class Satellites:
         estimate.filter.inflate_position(off_m)
         estimate.filter.inflate_std(S.HEADING, UNSURE_HEADING_RAD)
         estimate.tell("gps_raw", epoch.t_ns, "most satellites refused for long; place doubted")
-        self._keep(rejected=None, is_settled=False)
+        self._keep(rejected=None, is_laid_out=False, is_settled=False)
 
 
 def _heard(estimate: Estimate, epoch: Ranges) -> Heard:

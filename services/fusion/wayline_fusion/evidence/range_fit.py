@@ -162,15 +162,15 @@ def _lines(
         np.concatenate([each.places_m for each in epochs]),
         np.concatenate([each.motions_mps for each in epochs]),
     )
-    systems = np.concatenate([each.systems for each in epochs])
-    others = [systems == name for name in sorted(set(systems))[1:]]
+    systems = np.concatenate([each.offsets for each in epochs])
+    others = systems[:, None] == np.unique(systems)[1:]
     claimed_m = np.concatenate([each.stds_m for each in epochs])
     cn0_dbhz = np.concatenate([each.cn0_dbhz for each in epochs])
     return Lines(
         np.concatenate([each.pseudoranges_m for each in epochs]) - sight.ranges_m,
         Signals(claimed_m, sight.directions[:, 2], cn0_dbhz).stds_m(floor_m),
         sight.directions,
-        np.array(others, dtype=np.float64).reshape(len(others), len(systems)).T,
+        others.astype(np.float64),
         np.repeat(way, counts),
         np.repeat(_bent(heard, now, way), counts),
         np.cumsum([0, *counts[:-1]]),

@@ -31,7 +31,8 @@ def fix_alone(epoch: Ranges, floor_m: float) -> tuple[Fix, float] | None:
 
     `floor_m` is the std of a strong range from the zenith.
     """
-    systems = _columns(epoch.systems)
+    # a column for each system's clock
+    systems = (epoch.offsets[:, None] == np.unique(epoch.offsets)).astype(np.float64)
     if len(epoch.names) < 3 + systems.shape[1]:
         return None
     solved = _placed(epoch, systems, floor_m)
@@ -44,12 +45,6 @@ def fix_alone(epoch: Ranges, floor_m: float) -> tuple[Fix, float] | None:
     sight = seen_from(ground, epoch.places_m, epoch.motions_mps)
     fix = Fix(epoch.t_ns, lat_deg, lon_deg, std_m, *_velocity(epoch, sight, weights))
     return fix, height_m
-
-
-def _columns(systems: tuple[str, ...]) -> Floats:
-    """One for each system's clock."""
-    known = sorted(set(systems))
-    return np.array([[each == name for name in known] for each in systems], dtype=np.float64)
 
 
 def _placed(epoch: Ranges, systems: Floats, floor_m: float) -> tuple[Floats, Floats, float] | None:
@@ -73,9 +68,9 @@ def _placed(epoch: Ranges, systems: Floats, floor_m: float) -> tuple[Floats, Flo
             left_m = off_m - columns @ solution
             weights = one_sided(left_m / stds_m, 2.0) / stds_m**2
     covariance = np.linalg.inv(normal)[:3, :3]
-    # residuals larger than the stds say that the place is as much worse
+    # among many reflections, whatever weight they have kept, the place is as much worse
     free = max(len(weights) - columns.shape[1], 1)
-    scatter = max(math.sqrt(float(np.sum(weights * left_m**2)) / free), 1.0)
+    scatter = max(math.sqrt(float(np.sum(np.square(left_m / stds_m))) / free), 1.0)
     std_m = scatter * math.sqrt(float(np.trace(covariance)))
     return place_m, weights, math.hypot(STD_MIN_M, std_m)
 

@@ -13,7 +13,7 @@ from wayline.satellites.sight import Ground, Sight, seen_from
 from wayline.snooping import Judged
 from wayline.tuning import Tuning
 from wayline_fusion.filter.gate import TOO_FAR
-from wayline_fusion.filter.ranging import OTHER_SYSTEMS, RangingStates
+from wayline_fusion.filter.ranging import RangingStates
 from wayline_fusion.filter.states import Floats, States
 from wayline_fusion.intake.events import Ranges
 
@@ -68,11 +68,6 @@ class _Kind(NamedTuple):
     stds: Floats
 
 
-def offset_state(system: str) -> int | None:
-    """Where a system's offset is; None of the one that the clock is held against."""
-    return R.OFFSETS + OTHER_SYSTEMS.index(system) if system in OTHER_SYSTEMS else None
-
-
 def _ranges(x: Floats, epoch: Ranges, sight: Sight, tuning: Tuning) -> _Kind:
     """From the place of LATENCY ago, with the clock.
 
@@ -88,13 +83,13 @@ def _ranges(x: Floats, epoch: Ranges, sight: Sight, tuning: Tuning) -> _Kind:
     H[:, S.GPS_EAST], H[:, S.GPS_NORTH] = -slow_m * east, -slow_m * north
     H[:, S.LATENCY] = along * speed_mps
     H[:, R.CLOCK] = 1.0
-    for row, system in enumerate(epoch.systems):
-        offset = offset_state(system)
-        if offset is not None:
-            H[row, offset] = 1.0
-    # in these the range is linear; of place and height `sight` is the value
-    linear = [S.GPS_EAST, S.GPS_NORTH, S.LATENCY, R.CLOCK, *range(R.OFFSETS, len(x))]
-    y = epoch.pseudoranges_m - sight.ranges_m - H[:, linear] @ x[linear]
+    others = np.flatnonzero(epoch.offsets >= 0)
+    states = R.OFFSETS + epoch.offsets[others]
+    H[others, states] = 1.0
+    slow = slow_m * (east * x[S.GPS_EAST] + north * x[S.GPS_NORTH])
+    expected_m = sight.ranges_m - slow + along * (speed_mps * x[S.LATENCY]) + x[R.CLOCK]
+    expected_m[others] += x[states]
+    y = epoch.pseudoranges_m - expected_m
     stds_m = Signals(epoch.stds_m, up, epoch.cn0_dbhz).stds_m(tuning.range_std_floor_m)
     return _Kind(np.arange(len(y)), y, H, stds_m)
 
@@ -149,7 +144,15 @@ def weights_of(lines: Lines, found: Judged) -> Floats:
     return np.where(lines.is_range, one_sided(found.off, 1.0), two_sided(found.off))
 
 
-def clock_step_m(lines: Lines, found: Judged) -> float | None:
+class ClockStep(NamedTuple):
+    """Of a receiver's clock, forward."""
+
+    length_m: float
+    is_whole: bool
+    """Whole milliseconds: the receiver has set it by itself."""
+
+
+def clock_step(lines: Lines, found: Judged) -> ClockStep | None:
     """By how much the clock seems to have stepped; None where most ranges are as expected."""
     off_m = lines.y[lines.is_range]
     if found.refused_share(lines.is_range) <= 0.5:
@@ -157,5 +160,5 @@ def clock_step_m(lines: Lines, found: Judged) -> float | None:
     median_m = float(np.median(off_m))
     whole_m = round(median_m / MILLISECOND_M) * MILLISECOND_M
     if whole_m and abs(median_m - whole_m) < STEP_REST_M:
-        return whole_m
-    return median_m if len(off_m) >= STEPPED_MIN else None
+        return ClockStep(whole_m, is_whole=True)
+    return ClockStep(median_m, is_whole=False) if len(off_m) >= STEPPED_MIN else None

@@ -13,9 +13,7 @@ from wayline.likelihood import Measurement
 from wayline.tuning import Tuning
 from wayline_fusion.filter.horizontal import DrivingNoise, HorizontalFilter
 from wayline_fusion.filter.states import SIZE, Floats
-
-OTHER_SYSTEMS = ("glonass", "galileo", "beidou", "qzss", "sbas", "navic")
-"""All but GPS, whose time the clock is held against."""
+from wayline_fusion.intake.events import OTHER_SYSTEMS
 
 
 class RangingStates:
@@ -61,8 +59,8 @@ class RangingFilter(HorizontalFilter):
         moved_m = self.speed_mps * dt_s
         self._set_clock(dt_s)
         kept = self._set_slope(moved_m)
-        for offset in range(R.OFFSETS, RANGING_SIZE):
-            self.Q[offset, offset] = OFFSET_WALK_M_PER_SQRT_S**2 * dt_s
+        variances = self.Q.reshape(-1)[:: RANGING_SIZE + 1]
+        variances[R.OFFSETS :] = OFFSET_WALK_M_PER_SQRT_S**2 * dt_s
         super().advance(dt_s, turn_rad, noise, standing=standing)
         self.x[R.CLOCK] += self.x[R.CLOCK_DRIFT] * dt_s
         self.x[R.HEIGHT] += self.x[R.SLOPE] * moved_m

@@ -12,6 +12,9 @@ from wayline.vertical.propulsion import Push
 
 Floats = NDArray[np.float64]
 
+OTHER_SYSTEMS = ("glonass", "galileo", "beidou", "qzss", "sbas", "navic")
+"""All but GPS, whose time a receiver's clock is held against."""
+
 
 class Elapsed(msgspec.Struct, frozen=True, gc=False):
     """Time has passed; keeps prediction steps short."""
@@ -125,7 +128,8 @@ class Ranges(msgspec.Struct, frozen=True, gc=False):
     t_ns: int
     names: tuple[str, ...]
     """As verdicts call them."""
-    systems: tuple[str, ...]
+    offsets: NDArray[np.int64]
+    """Of each one's system its place among OTHER_SYSTEMS; -1 is GPS."""
     places_m: Floats
     """Earth-centred, Earth-fixed, in the frame of the transmission; shape (n, 3)."""
     pseudoranges_m: Floats

@@ -6,18 +6,10 @@ import numpy as np
 
 from wayline.messages import GpsRaw, RawSatellite
 from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
-from wayline_fusion.intake.events import Ranges
+from wayline.satellites.names import name_of
+from wayline_fusion.intake.events import OTHER_SYSTEMS, Ranges
 
-LETTERS = {
-    "gps": "G",
-    "glonass": "R",
-    "galileo": "E",
-    "beidou": "C",
-    "qzss": "J",
-    "sbas": "S",
-    "navic": "I",
-}
-"""As RINEX calls the systems."""
+OFFSETS = {"gps": -1} | {system: place for place, system in enumerate(OTHER_SYSTEMS)}
 NEAREST_M, FARTHEST_M = 1.5e7, 6e7
 """A satellite that tells of a distance outside has lost its clock, or is none."""
 
@@ -29,8 +21,8 @@ def ranges_of(epoch: GpsRaw) -> Ranges | None:
         return None
     return Ranges(
         epoch.t_ns,
-        tuple(f"{LETTERS[each.system]}{each.prn}" for each in usable),
-        tuple(each.system for each in usable),
+        tuple(name_of(each.system, each.prn) for each in usable),
+        np.array([OFFSETS[each.system] for each in usable], dtype=np.int64),
         np.array([(each.x_m, each.y_m, each.z_m) for each in usable], dtype=np.float64),
         _column([each.pseudorange_m for each in usable])
         + np.array([each.clock_bias_m or 0.0 for each in usable]),
@@ -44,7 +36,7 @@ def ranges_of(epoch: GpsRaw) -> Ranges | None:
 
 def _is_usable(satellite: RawSatellite) -> bool:
     place = satellite.x_m, satellite.y_m, satellite.z_m
-    if satellite.system not in LETTERS or satellite.pseudorange_m is None or None in place:
+    if satellite.system not in OFFSETS or satellite.pseudorange_m is None or None in place:
         return False
     return NEAREST_M < satellite.pseudorange_m < FARTHEST_M
 
