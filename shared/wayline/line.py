@@ -83,7 +83,7 @@ class Line:
 
     def leg_at(self, distance_m: float) -> int:
         """Index of the leg that holds a distance; at a vertex the one that begins there."""
-        leg = int(np.searchsorted(self.distances_m, distance_m, side="right")) - 1
+        leg = int(self.distances_m.searchsorted(distance_m, side="right")) - 1
         return min(max(leg, 0), len(self.legs_m) - 1)
 
     def project(
@@ -131,7 +131,9 @@ class Line:
         squared = np.maximum(leg_east**2 + leg_north**2, 1e-12)
         share = -(east_m[:-1] * leg_east + north_m[:-1] * leg_north) / squared
         whole = from_m <= 0.0 and to_m >= self.length_m
-        share = np.clip(share, 0.0, 1.0) if whole else self._clipped(share, from_m, to_m)
+        share = (
+            np.minimum(np.maximum(share, 0.0), 1.0) if whole else self._clipped(share, from_m, to_m)
+        )
         offset_east = east_m[:-1] + share * leg_east
         offset_north = north_m[:-1] + share * leg_north
         offsets_m = np.hypot(offset_east, offset_north)

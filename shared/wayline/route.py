@@ -70,6 +70,11 @@ class Route:
         """How long the vehicle is planned to stand at each stop, shape (stops,)."""
         return np.array([stop.dwell_s for stop in self.stops], dtype=np.float64)
 
+    @cached_property
+    def has_each_stop_once(self) -> bool:
+        """Whether no stop is served twice on a way from the start to the end."""
+        return len({stop.stop_id for stop in self.stops}) == len(self.stops)
+
     def time_at(self, distances_m: Floats) -> Floats:
         """Planned time to distances; on a loop they go on over the end (a lap and 5 m, say)."""
         if not self.loop:

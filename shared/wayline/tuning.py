@@ -9,7 +9,7 @@ from wayline.strict import Strict
 
 Positive = Annotated[float, Meta(gt=0.0)]
 Probability = Annotated[float, Meta(gt=0.0, lt=1.0)]
-ArchitectureName = Literal["loose", "uncoupled", "gps_only", "gps_only_modified"]
+ArchitectureName = Literal["loose", "measurement", "uncoupled", "gps_only", "gps_only_modified"]
 
 VerticalSensor = Literal["gps", "barometer", "torque", "vehicle"]
 
@@ -37,10 +37,11 @@ class Tuning(Strict, frozen=True, kw_only=True):
 
     # fusion, horizontal
     architecture: ArchitectureName = "loose"
-    """The fixes calibrate the vehicle's sensors (papers/001). For comparison: "uncoupled" reckons
-    from the last fix by sensors as they read, "gps_only" and "gps_only_modified" are papers/003's
-    filters without the vehicle's sensors, the latter with more noise where satellites or PDOP are
-    bad."""
+    """The fixes calibrate the vehicle's sensors (papers/001). "measurement" does without fixes
+    where a receiver tells raw measurements: each satellite corrects by itself, so two still help.
+    For comparison: "uncoupled" reckons from the last fix by sensors as they read, "gps_only" and
+    "gps_only_modified" are papers/003's filters without the vehicle's sensors, the latter with more
+    noise where satellites or PDOP are bad."""
     gate_probability: Probability = 0.9999
     """Good measurements pass a gate this often."""
     relock_after_s: Positive = 180.0
@@ -141,6 +142,24 @@ class Tuning(Strict, frozen=True, kw_only=True):
     """A parked vehicle may have been moved, or driven off while its computer started."""
     parked_heading_std_deg: Positive = 3.0
     """A parked vehicle's heading may have changed, as its position."""
+
+    # fusion, raw measurements (`architecture = "measurement"`)
+    range_std_floor_m: Positive = 3.0
+    """Of a strong signal from the zenith: orbits, clocks and air, which receivers do not count."""
+    range_rate_std_floor_mps: Positive = 0.1
+    """Receivers claim less."""
+    reflection_time_s: Positive = 30.0
+    """At rest reflections change over such a time: satellites move on..."""
+    reflection_way_m: Positive = 15.0
+    """...and under way over such a way: a house, a gap. Ranges between tell nothing new."""
+    clock_noise_m_per_sqrt_s: Positive = 0.3
+    """Of the receiver's clock, white frequency noise."""
+    clock_drift_walk_mps_per_sqrt_s: Positive = 0.05
+    """Crystals warm up and are shaken."""
+    slope_std_pct: Positive = 3.0
+    """Roads climb by this much where nobody tells. The height known stands in for a satellite..."""
+    slope_length_m: Positive = 200.0
+    """...as long as a slope that goes on for so far lets it."""
 
     # fusion, vertical
     vertical_sensors: tuple[VerticalSensor, ...] = ("gps", "barometer", "torque", "vehicle")

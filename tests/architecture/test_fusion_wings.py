@@ -12,7 +12,8 @@ import msgspec
 import pytest
 
 from builders import at, only
-from unit.fusion.drives import Sensors, messages_of, town, truth_of
+from unit.fusion.drives import Sensors, messages_of, town, truth_of, winding
+from unit.fusion.skies import Receiver, epochs_of, with_epochs
 from wayline.messages import Barometer, GpsFix, Message, Odometer, Pose, Torque
 from wayline.node import Node
 from wayline.tuning import Tuning
@@ -156,6 +157,23 @@ def watched_drive() -> Files:
     return files
 
 
+def watched_satellites() -> Files:
+    """Half a minute of raw measurements, after a minute without being watched."""
+    files, core = Files(), FusionCore(Tuning(architecture="measurement"))
+    truths = truth_of(winding, 90.0)
+    sensed = [
+        message
+        for message in messages_of(winding, truths, Sensors())
+        if not isinstance(message, GpsFix)
+    ]
+    messages = with_epochs(sensed, epochs_of(truths, Receiver()))
+    split = next(i for i, message in enumerate(messages) if message.t_ns >= at(60))
+    give(core, messages[:split])
+    files.watch(core)
+    give(core, messages[split:])
+    return files
+
+
 def engine_of(odometer: Odometer) -> Torque:
     """In one gear, pulling steadily; the vehicle finds the road level."""
     speed_mps = odometer.speed_mps or 0.0
@@ -169,7 +187,7 @@ def with_altitude(message: Message) -> Message:
 
 
 def test_one_event_touches_at_most_eight_files() -> None:
-    by_kind = watched_drive().by_kind
+    by_kind = watched_satellites().by_kind | watched_drive().by_kind
     kinds = {kind.__name__ for kind in events.Event.__args__}
     assert set(by_kind) == kinds
     assert Elapsed.__name__ in kinds

@@ -9,6 +9,7 @@ import msgspec
 from wayline.messages import GpsFix
 from wayline.node import Node
 from wayline.tuning import Tuning
+from wayline_bench.aiding import aiding_row
 from wayline_bench.bare_filter import AlgebraAlone, BareFilter
 from wayline_bench.fusion_live import live_rows
 from wayline_bench.made_up_drive import drive, with_ticks
@@ -34,7 +35,7 @@ UNIT = "us a step"
 
 def bench(say: Say) -> list[Row]:
     """Every row; needs no recorded data."""
-    return [*step_rows(say), hour_row(say), *live_rows(say)]
+    return [*step_rows(say), aiding_row(say, START_NS), hour_row(say), *live_rows(say)]
 
 
 def step_rows(say: Say) -> list[Row]:

@@ -100,9 +100,13 @@ def outages_command(
         str | None,
         typer.Option(
             metavar="NAME,...",
-            help="Compare these: loose, uncoupled, gps_only, gps_only_modified; papers/001 beside.",
+            help="Compare these: loose, measurement, uncoupled, gps_only, gps_only_modified; "
+            "papers/001 beside.",
         ),
     ] = None,
+    satellites: Annotated[
+        int, typer.Option(min=0, help="So many are left in outages, by raw measurements alone.")
+    ] = 0,
     without: Without = None,
     out: Out = None,
     json: Json = None,
@@ -123,7 +127,7 @@ def outages_command(
     if min(lengths_s) <= 0.0:
         raise InputError("--length", f"{min(lengths_s):g} s is no outage", "give more than 0")
     compared = () if architectures is None else architectures_of(architectures)
-    plan = OutagePlan(lengths_s, every, start, passes, compared)
+    plan = OutagePlan(lengths_s, every, start, passes, compared, satellites)
     with progress() as progressed:
         options = Options(out, jobs, yardstick, withheld_of(without))
         report = outage_study(drives, plan, options, progressed)
@@ -229,10 +233,20 @@ def eta_command(
     database: Annotated[
         str | None, typer.Option(help="URL; each drive builds on what those before have taught.")
     ] = None,
+    from_lap: Annotated[
+        int, typer.Option(min=1, help="Score what was told from this lap or trip of a drive on.")
+    ] = 1,
     out: Out = None,
     json: Json = None,
     plot: Plot = None,
     jobs: Jobs = 1,
+    yardstick: Annotated[
+        bool,
+        typer.Option(
+            "--yardstick",
+            help="Compare with who is told a simulated network's streets, or all other laps.",
+        ),
+    ] = False,
 ) -> None:
     """How good predicted arrivals were, by minutes ahead, against when the vehicle came."""
     from wayline_evaluation.eta_plot import plot_eta
@@ -242,8 +256,8 @@ def eta_command(
 
     check_targets(json, plot)
     with progress() as progressed:
-        options = Options(out=out, jobs=jobs)
-        followed = Followed(tuple(route or ()), tuple(feed or ()), database)
+        options = Options(out=out, jobs=jobs, yardstick=yardstick)
+        followed = Followed(tuple(route or ()), tuple(feed or ()), database, from_lap)
         report, runs = eta_study(drives, followed, options, progressed)
     _tell(eta_tables(report), report, json)
     if plot is not None:
@@ -290,6 +304,54 @@ def following_command(
     with progress() as progressed:
         report = arrival_study(drives, feed, Options(out=out, jobs=jobs), progressed)
     _tell([arrival_table(report)], report, json)
+
+
+@evaluate_app.command("tracking")
+def tracking_command(
+    drive: Annotated[
+        Path | None,
+        typer.Argument(help="A drive whose motion and sky the loops meet; none: random motion."),
+    ] = None,
+    *,
+    runs: Annotated[int, typer.Option(min=1, help="Loops simulated at each C/N0.")] = 100,
+    seconds: Annotated[float, typer.Option(min=1.0, help="Length of each.")] = 60.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of noise and motion.")] = 1,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """Carrier loops and search with and without the vehicle's velocity, as papers/001 has them."""
+    from wayline_evaluation.tracking.plot import plot_tracking
+    from wayline_evaluation.tracking.study import Plan, tracking_study
+    from wayline_evaluation.tracking.table import tracking_tables
+
+    check_targets(json, plot)
+    with progress("loops") as progressed:
+        plan = Plan(runs=runs, seconds=seconds, seed=seed)
+        report = tracking_study(plan, drive, progressed)
+    _tell(tracking_tables(report), report, json)
+    if plot is not None:
+        plot_tracking(report, plot)
+
+
+@evaluate_app.command("aiding")
+def aiding_command(
+    drives: Drives,
+    *,
+    length: Annotated[float, typer.Option(min=1.0, help="Seconds without GPS.")] = 60.0,
+    every: Annotated[float, typer.Option(help="Seconds from outage to outage.")] = 180.0,
+    start: Annotated[float, typer.Option(min=0.0, help="Seconds before the first.")] = 240.0,
+    json: Json = None,
+    jobs: Jobs = 1,
+) -> None:
+    """Dopplers that fusion predicts for a receiver's loops, with GPS and without."""
+    from wayline_evaluation.tracking.aiding_study import AidingPlan, aiding_study
+    from wayline_evaluation.tracking.aiding_table import aiding_table
+
+    check_targets(json, None)
+    with progress() as progressed:
+        plan = AidingPlan(length_s=length, every_s=every, start_s=start)
+        report = aiding_study(drives, plan, jobs, progressed)
+    _tell([aiding_table(report)], report, json)
 
 
 @evaluate_app.command("slope")

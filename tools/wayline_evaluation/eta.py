@@ -37,6 +37,13 @@ class LapScore(msgspec.Struct, frozen=True, kw_only=True):
     held_share: float
 
 
+class YardstickScore(msgspec.Struct, frozen=True, kw_only=True):
+    """What was told beside what a yardstick tells of the same arrivals, once a minute."""
+
+    told: EtaScore
+    yardstick: EtaScore
+
+
 class EtaReport(msgspec.Struct, frozen=True, kw_only=True):
     """What `wayline evaluate eta --json` writes."""
 
@@ -48,6 +55,8 @@ class EtaReport(msgspec.Struct, frozen=True, kw_only=True):
     """Its table 3."""
     laps: tuple[LapScore, ...]
     """In their order: whether predictions grow better."""
+    yardstick: YardstickScore | None = None
+    """Of all drives together; null where it was not asked for."""
 
 
 class EtaRun(NamedTuple):
@@ -60,6 +69,8 @@ class EtaRun(NamedTuple):
     seconds: int
     trials: Sequence[TrialErrors] = ()
     laps: Sequence[LapScore] = ()
+    beside: tuple[Sequence[Prediction], Sequence[Prediction]] | None = None
+    """What was told, and what a yardstick tells."""
 
 
 def predictions_of(told: Iterable[Arrivals], events: Sequence[StopEvent]) -> list[Prediction]:
@@ -118,7 +129,17 @@ def report_of(runs: Sequence[EtaRun]) -> EtaReport:
         trials=tuple(trials),
         stops=tuple(by_stop(trials)),
         laps=tuple(lap for run in runs for lap in run.laps),
+        yardstick=_beside([run.beside for run in runs if run.beside is not None]),
     )
+
+
+def _beside(
+    pairs: Sequence[tuple[Sequence[Prediction], Sequence[Prediction]]],
+) -> YardstickScore | None:
+    if not pairs:
+        return None
+    told, yardstick = (added(map(sums_of, each)) for each in zip(*pairs, strict=True))
+    return YardstickScore(told=_named("told", told), yardstick=_named("yardstick", yardstick))
 
 
 def lap_score(trial: Trial, told: Sequence[Arrivals], events: Sequence[StopEvent]) -> LapScore:

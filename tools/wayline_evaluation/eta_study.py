@@ -2,8 +2,8 @@
 
 import tempfile
 from collections import deque
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +18,10 @@ from wayline.timetable.reading import read_timetable
 from wayline_eta.replayed import node
 from wayline_evaluation.eta import EtaReport, EtaRun, lap_score, predictions_of, report_of
 from wayline_evaluation.eta_trials import CAME, errors_of, trials_of
+from wayline_evaluation.eta_yardstick import Ask, asked, other_laps, told_streets
 from wayline_evaluation.reference import Reference
 from wayline_evaluation.replays import (
+    MessageType,
     Options,
     Progressed,
     done_by,
@@ -41,6 +43,8 @@ class Followed:
     routes: tuple[Path, ...] = ()
     feeds: tuple[Path, ...] = ()
     database_url: str | None = None
+    from_lap: int = 1
+    """What was told in earlier laps or trips of a drive is not scored."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +54,7 @@ class Job:
     folder: Path
     followed: Followed
     keep: Path | None
+    yardstick: bool = False
 
 
 def eta_study(
@@ -60,7 +65,7 @@ def eta_study(
     With a database each drive builds on what those before have taught; then one is replayed at a
     time.
     """
-    jobs = [Job(folder, followed, options.keep(folder)) for folder in folders]
+    jobs = [Job(each, followed, options.keep(each), options.yardstick) for each in folders]
     at_a_time = options.jobs if followed.database_url is None else 1
     runs = list(done_by(_run, jobs, at_a_time, progressed))
     return report_of(runs), runs
@@ -69,7 +74,7 @@ def eta_study(
 def _run(job: Job) -> EtaRun:
     if job.keep is None:
         with tempfile.TemporaryDirectory(prefix="wayline-evaluate-") as temporary:
-            return _run(Job(job.folder, job.followed, Path(temporary)))
+            return _run(replace(job, keep=Path(temporary)))
     followed = job.followed
     replay(
         job.folder,
@@ -78,24 +83,61 @@ def _run(job: Job) -> EtaRun:
         route_paths=followed.routes,
         feed_paths=followed.feeds,
     )
-    told = read_topic(job.keep, Arrivals)
-    truth = truth_of(job.folder)
-    if truth is None:
-        events = read_topic(job.keep, StopEvent)
-    else:
-        events = list(_events(_eta(job.folder, followed), truth, _assigned(job)))
-    name = drive_name(job.folder)
-    trials = trials_of(name, events)
-    on_route = {each.t_ns for each in read_topic(job.keep, Progress) if each.on_route}
+    return _scored(job, job.keep)
+
+
+def _scored(job: Job, out: Path) -> EtaRun:
+    name, from_lap = drive_name(job.folder), job.followed.from_lap
+    events, way = _true_way(job, out)
+    trials = trials_of(name, events)[from_lap - 1 :]
+    if not trials and from_lap > 1:
+        mend = "give an earlier lap, or name a longer drive"
+        raise InputError("--from-lap", f"{name} has no lap or trip {from_lap}", mend)
+    from_ns = trials[0].before[0].t_ns if from_lap > 1 else 0
+    told = _since(from_ns, read_topic(out, Arrivals))
+    came = _since(from_ns, events)
+    progress = _since(from_ns, read_topic(out, Progress))
+    on_route = {each.t_ns for each in progress if each.on_route}
+    beside = None
+    if job.yardstick:
+        pair = asked(told, _yardstick(job, way, events))
+        beside = predictions_of(pair.told, came), predictions_of(pair.yardstick, came)
     return EtaRun(
         name,
-        predictions_of(told, events),
-        sum(event.kind in CAME for event in events),
+        predictions_of(told, came),
+        sum(event.kind in CAME for event in came),
         sum(each.t_ns in on_route and bool(each.stops) and not each.stale for each in told),
         len(on_route),
         trials=[errors for trial in trials if (errors := errors_of(trial, told)) is not None],
-        laps=[lap_score(trial, told, events) for trial in trials],
+        laps=[lap_score(trial, told, came) for trial in trials],
+        beside=beside,
     )
+
+
+def _since(from_ns: int, messages: Iterable[MessageType]) -> list[MessageType]:
+    return [each for each in messages if each.t_ns >= from_ns]
+
+
+def _yardstick(job: Job, way: Sequence[Progress], events: Sequence[StopEvent]) -> Ask:
+    """Who knows more of a drive. Raises InputError where nobody does."""
+    ask = told_streets(job.folder) or other_laps(way, events)
+    if ask is None:
+        mend = "name drives of wayline simulate network, or several laps of a loop with a truth"
+        raise InputError(str(job.folder), "there is no yardstick for it", mend)
+    return ask
+
+
+def _true_way(job: Job, out: Path) -> tuple[list[StopEvent], list[Progress]]:
+    """What the vehicle did at stops, and where it was on its route, as far as there is a truth.
+
+    Without one it came to stops when eta says so.
+    """
+    truth = truth_of(job.folder)
+    if truth is None:
+        return read_topic(out, StopEvent), []
+    seen = list(_seen(_eta(job.folder, job.followed), truth, _assigned(job)))
+    events = [each for each in seen if isinstance(each, StopEvent)]
+    return events, [each for each in seen if isinstance(each, Progress)]
 
 
 def _eta(folder: Path, followed: Followed) -> Node:
@@ -127,18 +169,21 @@ def _assigned(job: Job) -> list[GpsFix]:
     ]
 
 
-def _events(eta: Node, truth: Reference, assigned: Sequence[GpsFix]) -> Iterator[StopEvent]:
-    """What the vehicle did at stops, by its true way."""
+def _seen(
+    eta: Node, truth: Reference, assigned: Sequence[GpsFix]
+) -> Iterator[StopEvent | Progress]:
+    """What eta says of a vehicle by its true way."""
     waiting = deque(assigned)
     for pose in _poses(truth):
         while waiting and waiting[0].t_ns <= pose.t_ns:
             told = GpsFix(t_ns=pose.t_ns, valid=False, assignment=waiting.popleft().assignment)
-            yield from _stop_events(eta, told, "gps-ingest")
-        yield from _stop_events(eta, pose, "fusion")
+            yield from _said(eta, told, "gps-ingest")
+        yield from _said(eta, pose, "fusion")
 
 
-def _stop_events(eta: Node, message: Pose | GpsFix, source: str) -> Iterator[StopEvent]:
-    return (each for each in eta.take(message, source) if isinstance(each, StopEvent))
+def _said(eta: Node, message: Pose | GpsFix, source: str) -> Iterator[StopEvent | Progress]:
+    told = eta.take(message, source)
+    return (each for each in told if isinstance(each, StopEvent | Progress))
 
 
 def _poses(truth: Reference) -> Iterator[Pose]:

@@ -6,7 +6,7 @@ from rich.table import Table
 
 from wayline_eta.scores import SpanScore
 from wayline_evaluation.drive_table import drive_table, number, percent
-from wayline_evaluation.eta import EtaReport, EtaScore
+from wayline_evaluation.eta import EtaReport, EtaScore, YardstickScore
 
 COLUMNS = (
     "ahead\nmin",
@@ -26,6 +26,8 @@ def eta_tables(report: EtaReport) -> Iterator[Table]:
     """By minutes ahead, by MBTA's table, and by stop and trial as papers/000 has it."""
     yield _by_span(report)
     yield _by_mbta(report)
+    if report.yardstick is not None:
+        yield _beside(report.yardstick)
     if report.trials:
         yield _by_stop(report)
         yield _by_trial(report)
@@ -62,6 +64,23 @@ def _by_mbta(report: EtaReport) -> Table:
     for score in (*report.scores, report.pooled):
         shares = [percent(span.share) for span in score.mbta]
         table.add_row(score.drive, *shares, percent(score.mbta_share))
+    return table
+
+
+def _beside(score: YardstickScore) -> Table:
+    """A row a span: what was told once a minute beside what the yardstick tells of the same."""
+    title = "once a minute, beside who knows more (the yardstick)"
+    columns = [f"{whose}\n{what}" for whose in ("told", "yardstick") for what in COLUMNS[2:5]]
+    table = drive_table(title, (*COLUMNS[:2], *columns), ("drive",))
+    for told, other in zip(score.told.spans, score.yardstick.spans, strict=True):
+        if told.count:
+            figures = [
+                number(each, 0)
+                for span in (told, other)
+                for each in (span.mean_s, span.mean_absolute_s, span.std_s)
+            ]
+            ahead = f"{told.from_min:g}-{told.to_min:g}"
+            table.add_row("all", ahead, f"{told.count:,}", *figures)
     return table
 
 

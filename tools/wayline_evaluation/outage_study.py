@@ -44,6 +44,8 @@ class OutagePlan:
     passes: int = 1
     architectures: tuple[ArchitectureName, ...] = ()
     """None: the one that each drive is tuned to."""
+    satellites: int = 0
+    """So many are left in the outages, to those who read raw measurements."""
 
     def outages(self, length_s: float, until_s: float) -> list[list[Outage]]:
         """Outages of every pass over a drive. Raises InputError."""
@@ -56,6 +58,7 @@ class OutagePlan:
             start_s=self.start_s,
             passes=self.passes,
             until_s=until_s,
+            satellites=self.satellites,
         )
 
 

@@ -87,7 +87,13 @@ class OutageReport(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def schedule(
-    *, length_s: float, every_s: float, start_s: float, passes: int, until_s: float
+    *,
+    length_s: float,
+    every_s: float,
+    start_s: float,
+    passes: int,
+    until_s: float,
+    satellites: int = 0,
 ) -> list[list[Outage]]:
     """Outages of every pass that end within the drive; each pass begins a share of `every_s` later.
 
@@ -96,7 +102,7 @@ def schedule(
     firsts = [start_s + every_s * number / passes for number in range(passes)]
     return [
         [
-            Outage(float(begin_s), length_s)
+            Outage(float(begin_s), length_s, satellites)
             for begin_s in np.arange(first_s, until_s - length_s, every_s)
         ]
         for first_s in firsts

@@ -66,8 +66,9 @@ def without_fixes(sensed: Sensed, outages: Sequence[Outage]) -> Sensed:
     """A drive with GPS taken away; the receiver itself was never blind then."""
     since_s = np.array([fix.t_ns for fix in sensed.fixes], dtype=np.float64) * 1e-9 - sensed.start_s
     kept = np.ones(len(sensed.fixes), dtype=np.bool_)
-    for start_s, length_s in outages:
-        kept &= (since_s < start_s) | (since_s >= start_s + length_s)
+    for outage in outages:
+        end_s = outage.start_s + outage.length_s
+        kept &= (since_s < outage.start_s) | (since_s >= end_s)
     fixes = tuple(fix for fix, stays in zip(sensed.fixes, kept, strict=True) if stays)
     return replace(sensed, fixes=fixes, blind_s=sensed.blind_s[kept])
 

@@ -17,6 +17,8 @@ class Outage(NamedTuple):
 
     start_s: float
     length_s: float
+    satellites: int = 0
+    """So many stay in sight: too few for a fix, and only raw measurements tell of them."""
 
 
 def parse_outage(text: str) -> Outage:
@@ -56,21 +58,25 @@ def with_outages(messages: Iterable[Received], outages: Sequence[Outage]) -> Ite
         return
     start_ns = min(received.message.t_ns for received in head)
     spans = [
-        (start_ns + round(start_s * 1e9), start_ns + round((start_s + length_s) * 1e9))
-        for start_s, length_s in outages
+        (start_ns + round(start_s * 1e9), start_ns + round((start_s + length_s) * 1e9), satellites)
+        for start_s, length_s, satellites in outages
     ]
     for received in itertools.chain(head, stream):
         message = received.message
-        is_out = any(a <= message.t_ns < b for a, b in spans)
-        yield received._replace(message=blanked(message)) if is_out else received
+        left = next((left for a, b, left in spans if a <= message.t_ns < b), None)
+        yield received if left is None else received._replace(message=blanked(message, left))
 
 
-def blanked(message: Message) -> Message:
-    """What a receiver that sees no satellites says; of other sensors the message itself."""
+def blanked(message: Message, satellites: int = 0) -> Message:
+    """What a receiver says that sees so few satellites; of other sensors the message itself.
+
+    Those left are the first by system and number, wherever they stand in the sky.
+    """
     if isinstance(message, GpsFix):
         return GpsFix(t_ns=message.t_ns, valid=False, satellites=0)
     if isinstance(message, GpsRaw):
-        return GpsRaw(t_ns=message.t_ns)
+        seen = sorted(message.satellites, key=lambda each: (each.system != "gps", each.prn))
+        return GpsRaw(t_ns=message.t_ns, satellites=tuple(seen[:satellites]))
     return message
 
 

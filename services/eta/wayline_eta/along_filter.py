@@ -73,18 +73,18 @@ class AlongFilter:
         self._points = self._beginning(total_m, std_m, speed_mps or None)
         self._ahead, self._ahead_s = self._points, 0.0
         """As far as anything was told, in seconds since it began."""
+        self._last: tuple[int, Along] | None = None
+        """What was told last, of its instant: progress and arrivals ask for the same one."""
 
     def run_as(self, motion: ExpectedMotion) -> None:
         """Go on by another plan of the same line."""
-        self._motion = PointMotion(motion, self._begun_ns, self._draws)
+        self._motion, self._last = PointMotion(motion, self._begun_ns, self._draws), None
 
     def at(self, t_ns: int) -> Along:
         """What is expected of an instant at or after the last report."""
-        at_s = (t_ns - self._begun_ns) * 1e-9
-        if at_s < self._ahead_s:
-            self._ahead = self._points
-        self._ahead, self._ahead_s = self._motion.gone_on(self._ahead, at_s), at_s
-        return self._told(self._ahead, at_s)
+        if self._last is None or self._last[0] != t_ns:
+            self._last = t_ns, self._expected((t_ns - self._begun_ns) * 1e-9)
+        return self._last[1]
 
     def report(
         self,
@@ -112,7 +112,7 @@ class AlongFilter:
         self._points = self._anew(
             points, anew, at_s, (place_m, std_m), moves=moves, speed_mps=under_way_mps
         )
-        self._ahead, self._ahead_s = self._points, at_s
+        self._ahead, self._ahead_s, self._last = self._points, at_s, None
 
     def _placed(
         self, points: Points, at_s: float, place_m: float, std_m: float, *, moves: bool | None
@@ -183,6 +183,12 @@ class AlongFilter:
             ratio = speed_mps / (rates * self._motion.motion.speeds_mps(places_m))
             rates = rates * np.clip(ratio, 1.0 / SPEED_RATIO_MAX, SPEED_RATIO_MAX)
         return self._motion.rolling(points, even, at_s, places_m, rates)
+
+    def _expected(self, at_s: float) -> Along:
+        if at_s < self._ahead_s:
+            self._ahead = self._points
+        self._ahead, self._ahead_s = self._motion.gone_on(self._ahead, at_s), at_s
+        return self._told(self._ahead, at_s)
 
     def _told(self, points: Points, at_s: float) -> Along:
         motion, stands = self._motion.motion, points.stands(at_s)

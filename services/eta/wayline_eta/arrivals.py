@@ -5,10 +5,13 @@ such a one too (Fenton 1960). What is told is the mean, which is the plan's wher
 yet. The legs of one run are slow or quick together.
 """
 
+import itertools
 import math
+from collections.abc import Iterable
 from statistics import NormalDist
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +36,7 @@ UNTOLD_STD_S = 12.0
 UNDER_WAY_M = 30.0
 """A vehicle so far behind a stop has left it."""
 NORMAL = NormalDist()
+ENDS_MIN = np.array(MINUTES)
 NORMAL_P90 = 1.281_551_6
 """The 90 % quantile of the standard normal distribution."""
 
@@ -53,7 +57,7 @@ class Outlook(NamedTuple):
     """What the rest of its leg takes over what is usual, by its own pace."""
 
 
-class Visit(NamedTuple):
+class Visit(msgspec.Struct, frozen=True):
     """A stop that is still to come: which, where, and when the vehicle is there."""
 
     stop: int
@@ -80,17 +84,20 @@ class Ahead(NamedTuple):
 
 def told_arrivals(route: Route, visits: list[Visit]) -> tuple[StopArrival, ...]:
     """Visits as they are told of a route that no timetable has."""
+    ahead = [(visit, route.stops[visit.stop]) for visit in visits]
     return tuple(
-        StopArrival(
-            stop_id=route.stops[visit.stop].stop_id,
-            name=route.stops[visit.stop].name,
-            distance_m=visit.distance_m,
-            arrival_ns=visit.arrival_ns,
-            early_ns=visit.early_ns,
-            late_ns=visit.late_ns,
-            confidence="learned" if visit.is_learned else "planned",
-        )
-        for visit in visits
+        [
+            StopArrival(
+                stop_id=stop.stop_id,
+                name=stop.name,
+                distance_m=visit.distance_m,
+                arrival_ns=visit.arrival_ns,
+                early_ns=visit.early_ns,
+                late_ns=visit.late_ns,
+                confidence="learned" if visit.is_learned else "planned",
+            )
+            for visit, stop in ahead
+        ]
     )
 
 
@@ -112,7 +119,7 @@ def predict_visits(
     ahead = _times(by, outlook, order, visits_m, motion)
     earlier_s, later_s = _widths_s(ahead, outlook.stand)
     is_learned = np.logical_and.accumulate(by.is_driven[order])
-    span = np.searchsorted(MINUTES, ahead.arrivals_s / 60.0, side="right") + SPANS * is_learned
+    span = ENDS_MIN.searchsorted(ahead.arrivals_s / 60.0, side="right") + SPANS * is_learned
     told_s = np.array(
         (
             ahead.arrivals_s,
@@ -129,9 +136,14 @@ def predict_visits(
         *(np.array((earlier_s, later_s)) * 1e9).astype(np.int64).tolist(),
         strict=True,
     )
+    visits = list(itertools.starmap(Visit, rows))
+    return visits if route.has_each_stop_once else _once_each(route, visits)
+
+
+def _once_each(route: Route, visits: Iterable[Visit]) -> list[Visit]:
+    """The first visit of every stop."""
     found: dict[str, Visit] = {}
-    for row in rows:
-        visit = Visit(*row)
+    for visit in visits:
         found.setdefault(route.stops[visit.stop].stop_id, visit)
     return list(found.values())
 
@@ -140,7 +152,7 @@ def _stops_ahead(route: Route, served_m: float) -> tuple[NDArray[np.intp], Float
     """The stops still to come, soonest first, and where they are next reached."""
     places_m = route.stop_distances_m
     if not route.loop:
-        first = int(np.searchsorted(places_m, served_m, side="right"))
+        first = int(places_m.searchsorted(served_m, side="right"))
         return np.arange(first, len(places_m)), places_m[first:]
     visits_m = next_visits_m(route, served_m)
     order = np.argsort(visits_m, kind="stable")
@@ -160,17 +172,17 @@ def _times(
     dwells_s, dwells_s2 = by.dwell_s[order], by.dwell_s2[order]
     begins_s, begins_s2 = outlook.stand.left_s, _place_s(by.route, outlook) ** 2
     if motion is None:
-        departures_s = begins_s + np.cumsum(travels_s + dwells_s)
+        departures_s = begins_s + (travels_s + dwells_s).cumsum()
         arrivals_s = departures_s - dwells_s
-        variances_s2 = begins_s2 + np.cumsum(travels_s2 + dwells_s2) - dwells_s2
-        shared_s2 = (RUN_STD * np.cumsum(travels_s)) ** 2
+        variances_s2 = begins_s2 + (travels_s2 + dwells_s2).cumsum() - dwells_s2
+        shared_s2 = (RUN_STD * travels_s.cumsum()) ** 2
         return Ahead(arrivals_s, departures_s, variances_s2 + shared_s2)
     earliest_s = (motion.stop_leaves_ns[order] - outlook.t_ns) * 1e-9
     if motion.is_untold:
         travels_s2 = travels_s2 + np.where(by.is_driven[order], 0.0, UNTOLD_STD_S**2)
     leaves = earliest_s + by.late_s[order], by.late_s2[order]
     ahead = _waiting((begins_s, begins_s2), (travels_s, travels_s2), (dwells_s, dwells_s2), leaves)
-    if not by.is_driven[order[0]]:
+    if not by.is_driven[order[0]] and order[0] < len(by.route.stops) - 1:
         ahead.arrivals_s[0] -= _untold_dwell_s(motion, outlook, float(visits_m[0]))
     return ahead
 

@@ -16,7 +16,7 @@ from wayline_eta.legs import Legs
 from wayline_eta.lessons import Expectations, Lessons, expectations
 from wayline_eta.own_pace import OwnPace
 from wayline_eta.records import Came, Learned, Taken
-from wayline_eta.stands import Stand, goes_on
+from wayline_eta.stands import Stand, rest_of_dwell
 
 RENEWED_NS = 10_000_000_000
 """What others teach is taken up so often, and at once after each stop of one's own."""
@@ -114,8 +114,7 @@ class Forecaster:
             return self._wait(by, outlook, stop)
         if motion is not None or by.dwells_seen[stop] < DWELLS_SEEN:
             return outlook.stand
-        dwell_s = float(by.dwell_s[stop])
-        return goes_on(max(stood_s - dwell_s, 0.0)).at_least(max(dwell_s - stood_s, 0.0))
+        return rest_of_dwell(stood_s, float(by.dwell_s[stop]), float(by.dwell_s2[stop]))
 
     def _wait(self, by: Expectations, outlook: Outlook, stop: int) -> Stand:
         """How long it will still stand where it waits for its time: others leave late, too."""

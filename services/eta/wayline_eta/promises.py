@@ -124,8 +124,9 @@ class Promises:
 
     def _forget(self, too_many: int) -> None:
         if too_many > 0:
-            oldest_ns = sorted(each.made_ns for made in self._made.values() for each in made)
-            self._keep(lambda each: each.made_ns > oldest_ns[too_many - 1])
+            oldest_ns = sorted([each.made_ns for made in self._made.values() for each in made])
+            last_ns = oldest_ns[too_many - 1]
+            self._keep(lambda made: [each for each in made if each.made_ns > last_ns])
 
     def _end(self, event: StopEvent, came_ns: int | None) -> None:
         """Score what was told of a stop, but what was told after the vehicle had come.
@@ -141,14 +142,14 @@ class Promises:
         """What is long overdue never comes."""
         if t_ns <= self._overdue_ns:
             return
+        due_ns = t_ns - OVERDUE_NS
         for made in self._made.values():
-            for promise in made:
-                if promise.arrival_ns + OVERDUE_NS < t_ns:
-                    self._came[promise.route_id].append(promise.came(None))
-        self._keep(lambda each: each.arrival_ns + OVERDUE_NS >= t_ns)
-        left_ns = (each.arrival_ns for made in self._made.values() for each in made)
-        self._overdue_ns = min(left_ns, default=NEVER_NS - OVERDUE_NS) + OVERDUE_NS
+            for promise in [each for each in made if each.arrival_ns < due_ns]:
+                self._came[promise.route_id].append(promise.came(None))
+        self._keep(lambda made: [each for each in made if each.arrival_ns >= due_ns])
+        soonest_ns = [min(each.arrival_ns for each in made) for made in self._made.values()]
+        self._overdue_ns = min(soonest_ns, default=NEVER_NS - OVERDUE_NS) + OVERDUE_NS
 
-    def _keep(self, stays: Callable[[Promise], bool]) -> None:
-        kept = {key: list(filter(stays, made)) for key, made in self._made.items()}
+    def _keep(self, kept_of: Callable[[list[Promise]], list[Promise]]) -> None:
+        kept = {key: kept_of(made) for key, made in self._made.items()}
         self._made = {key: made for key, made in kept.items() if made}

@@ -1,5 +1,7 @@
 """Pure: one vehicle on one route, from poses: its place, its presence and the stops it served."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,12 @@ SEAM_M = 1e-6
 HOLD_M = 30.0
 HOLD_SIGMAS = 3.0
 """A place that falls back by less than this is noise: progress waits for it to catch up."""
+TAKEN_BACK_MPS = 30.0
+"""What was told too much of a vehicle that stood between two reports is taken back in steps of
+noise, one each second: to wait until the vehicle has caught up would cost 20 m at the 95th
+percentile."""
+WENT_BACK_M = 100.0
+"""A vehicle that reports from so far behind its last report is on another place than was told."""
 
 
 class RouteFollower:
@@ -156,6 +164,7 @@ class RouteFollower:
         if silent_s > self._tuning.eta_forget_after_s:
             self._along = None
         before = self._along.at(pose.t_ns) if self._along is not None else None
+        last_m, self._floor_m = self.total_m, self._floor_at(pose.t_ns)
         if self._pose is not None and pose.t_ns == self._pose.t_ns and self._place is not None:
             place = self._place
         else:
@@ -177,7 +186,7 @@ class RouteFollower:
         if not is_far or self._along is None:
             self._along = self._measured(pose, place)
         along = self._along.at(pose.t_ns)
-        self._hold(before, along)
+        self._hold(before, last_m, along)
         self._place = place._replace(total_m=along.total_m)
         self._visits.observe(along.total_m, along.speed_mps, pose.t_ns)
 
@@ -199,16 +208,16 @@ class RouteFollower:
         along.report(pose.t_ns, place.total_m, place.along_std_m, moves=moves, speed_mps=told_mps)
         return along
 
-    def _hold(self, before: Along | None, now: Along) -> None:
-        """Let progress wait for a vehicle that drives behind what was told of it, within noise.
-
-        Where it stands it is told to stand.
-        """
+    def _hold(self, before: Along | None, last_m: float, now: Along) -> None:
+        """Let progress wait for a vehicle that has stood, or was slow, since it was at `last_m`."""
         floor_m, self._floor_m = self._floor_m, now.total_m
-        if before is not None and now.speed_mps > 0.0:
-            told_m = max(before.total_m, floor_m)
-            if told_m - now.total_m < max(HOLD_M, HOLD_SIGMAS * before.std_m):
-                self._floor_m = max(told_m, now.total_m)
+        if before is not None and now.total_m >= last_m - WENT_BACK_M:
+            self._floor_m = max(before.total_m, floor_m)
+
+    def _floor_at(self, t_ns: int) -> float:
+        """What was told, as far as it is not taken back yet."""
+        since_s = (t_ns - self._pose.t_ns) * 1e-9 if self._pose is not None else 0.0
+        return self._floor_m - TAKEN_BACK_MPS * since_s
 
     def _held(self, place: Place) -> Place:
         if self._place is None:
@@ -234,7 +243,7 @@ class RouteFollower:
             lat_deg=lat_deg,
             lon_deg=lon_deg,
             cross_track_m=place.cross_track_m,
-            distance_std_m=along.std_m if along else place.along_std_m,
+            distance_std_m=_std_about(total_m, along) if along else place.along_std_m,
             on_route=self.on_route,
             speed_mps=along.speed_mps if along else self._speed_mps,
         )
@@ -270,7 +279,7 @@ class RouteFollower:
         if self._place is None or self._pose is None:
             return 0.0
         if self._along is not None:
-            return max(self._along.at(t_ns).total_m, self._floor_m)
+            return max(self._along.at(t_ns).total_m, self._floor_at(t_ns))
         ahead_s = min(max((t_ns - self._pose.t_ns) * 1e-9, 0.0), EXTRAPOLATE_AT_MOST_S)
         speed_mps = max(self._speed_mps, 0.0) if self.on_route else 0.0
         total_m = self._place.total_m + speed_mps * ahead_s
@@ -283,6 +292,11 @@ def lap_of(route: Route, total_m: float) -> tuple[int, float]:
         return 0, max(total_m, 0.0)
     lap, within_m = divmod(total_m + SEAM_M, route.length_m)
     return int(lap), max(within_m - SEAM_M, 0.0)
+
+
+def _std_about(total_m: float, along: Along) -> float:
+    """Of the vehicle's place about what is told of it, which may wait for it."""
+    return math.hypot(along.std_m, total_m - along.total_m)
 
 
 def _speed_of(last: Pose | None, pose: Pose) -> float:

@@ -8,11 +8,12 @@ import msgspec
 from wayline.core import Record
 from wayline.drive import Vehicle
 from wayline.inputs import Flush, Tick
-from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
+from wayline.messages import Barometer, GpsFix, GpsRaw, Gyro, Message, Odometer, Torque
 from wayline.tuning import Tuning
 from wayline_fusion.architectures.choice import chosen
+from wayline_fusion.coupling.aider import Aider
 from wayline_fusion.filter.timeline import Timeline
-from wayline_fusion.intake.events import Elapsed, Event
+from wayline_fusion.intake.events import Elapsed, Event, Ranges
 from wayline_fusion.intake.intake import Intake
 from wayline_fusion.intake.told import Told
 from wayline_fusion.keeping.keeper import Keeper
@@ -35,7 +36,7 @@ class FusionCore:
     """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset(
-        {GpsFix, Odometer, Gyro, Barometer, Torque}
+        {GpsFix, GpsRaw, Odometer, Gyro, Barometer, Torque}
     )
     period_ns: ClassVar[int | None] = 100_000_000
 
@@ -50,6 +51,7 @@ class FusionCore:
         self._outputs = Outputs(
             self._estimator, self._vertical, self._told, tuning, vehicle.mass_kg
         )
+        self._aider = Aider()
         self._fix_delay_ns = 0
         """How much older than the newest event a fix is when it comes."""
         self._pose_ns = 0
@@ -57,6 +59,7 @@ class FusionCore:
             Gyro: self._gyro,
             Odometer: self._odometer,
             GpsFix: self._gps_fix,
+            GpsRaw: self._gps_raw,
             Barometer: self._barometer,
             Torque: self._torque,
             Tick: self._tick,
@@ -115,16 +118,27 @@ class FusionCore:
     def _gps_fix(self, fix: GpsFix, source: str) -> Sequence[Message]:
         if self._is_refused(fix, source):
             return ()
-        events = self._intake.fix(fix, source)
+        if fix.geoid_sep_m is not None:
+            self._aider.geoid_sep_m = fix.geoid_sep_m
+        return self._located(fix.t_ns, self._intake.fix(fix, source))
+
+    def _gps_raw(self, epoch: GpsRaw, source: str) -> Sequence[Message]:
+        self._aider.take(epoch, source)
+        if Ranges not in self._estimator.takes or self._is_refused(epoch, source):
+            return ()
+        return self._located(epoch.t_ns, self._intake.ranges(epoch))
+
+    def _located(self, t_ns: int, events: Sequence[Event]) -> Sequence[Message]:
+        """Apply what a receiver has told of an instant, and tell what has become of it."""
         if not events:
             return ()
-        self._fix_delay_ns = max(self._estimator.progress.t_ns - fix.t_ns, 0)
+        self._fix_delay_ns = max(self._estimator.progress.t_ns - t_ns, 0)
         self._add(*events)
         # after a late fix the state is not that of its instant but of the last event
         now_ns = self._estimator.progress.t_ns
-        if self._has_can(fix.t_ns) or now_ns <= self._pose_ns:
-            return [self._outputs.status(fix.t_ns)]
-        return [self._pose(now_ns, has_can=False), self._outputs.status(fix.t_ns)]
+        if self._has_can(t_ns) or now_ns <= self._pose_ns:
+            return [self._outputs.status(t_ns)]
+        return [self._pose(now_ns, has_can=False), self._outputs.status(t_ns)]
 
     def _barometer(self, barometer: Barometer, source: str) -> Sequence[Message]:
         if not self._is_refused(barometer, source):
@@ -143,6 +157,8 @@ class FusionCore:
         has_can = self._has_can(t_ns)
         if t_ns > self._pose_ns and (has_can or (on_second and without_fix)):
             messages.append(self._pose(t_ns, has_can=has_can))
+        if self._aider.is_needed:
+            messages += self._aider.due(t_ns, self._outputs.carried())
         if on_second:
             messages.append(self._outputs.status(t_ns))
         messages += self._keeper.due(t_ns, self._intake.heard_ns)

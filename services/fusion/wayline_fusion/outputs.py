@@ -1,15 +1,20 @@
 """Pure: poses and statuses, from what is believed of the vehicle."""
 
+import math
 from typing import NamedTuple
 
 import msgspec
 
 from wayline.messages import Calibration, FusionStatus, Pose, PoseMode
+from wayline.satellites.doppler import AntennaMotion
 from wayline.tuning import Tuning
 from wayline_fusion.architectures.architecture import Architecture, Motion, SensorErrors
 from wayline_fusion.filter.vertical import VerticalEstimate
 from wayline_fusion.intake.told import Told
 
+UNKNOWN_ALT_STD_M = 500.0
+UNKNOWN_GRADE_STD_PCT = 4.0
+"""Roads are rarely steeper than twice this."""
 OUTAGE_S = 2.0
 OUTAGE_INTERVALS = 1.5
 """Without an accepted fix for the longer of these the pose is dead reckoning (SPEC section 2)..."""
@@ -68,6 +73,34 @@ class Outputs:
             speed_std_mps=None if motion.speed_mps is None else motion.speed_std_mps,
             alt_std_m=height.alt_std_m if height else None,
             grade_std_pct=height.grade_std_pct if height else None,
+        )
+
+    def carried(self) -> AntennaMotion | None:
+        """How a receiver's antenna moves; None while place, heading or speed are unknown.
+
+        Its height is above mean sea level; where none is known it is 0, and as unsure.
+        """
+        motion, height = (
+            self._estimator.motion(),
+            self._vertical.height_at(self._estimator.progress),
+        )
+        if motion.place_deg is None or motion.heading_deg is None or motion.speed_mps is None:
+            return None
+        east_m2, north_m2 = motion.east_std_m**2, motion.north_std_m**2
+        alt_m = height.alt_m if height and height.alt_m is not None else 0.0
+        alt_std_m = (
+            height.alt_std_m if height and height.alt_std_m is not None else UNKNOWN_ALT_STD_M
+        )
+        return AntennaMotion(
+            *motion.place_deg,
+            height_m=alt_m,
+            heading_deg=motion.heading_deg,
+            speed_mps=motion.speed_mps,
+            grade_pct=height.grade_pct if height else 0.0,
+            place_std_m=math.sqrt(max(east_m2, north_m2) + alt_std_m**2),
+            heading_std_deg=motion.heading_std_deg,
+            speed_std_mps=motion.speed_std_mps,
+            grade_std_pct=height.grade_std_pct if height else UNKNOWN_GRADE_STD_PCT,
         )
 
     def status(self, t_ns: int) -> FusionStatus:

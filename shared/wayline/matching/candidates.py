@@ -35,7 +35,7 @@ def locally_nearest(line: Line, lat_deg: float, lon_deg: float) -> list[Near]:
     found[0] |= at_start[0]
     found[-1] |= at_end[-1]
     found &= legs.offsets_m <= legs.offsets_m.min() + SPREAD_M
-    nearest = np.flatnonzero(found)
+    nearest = found.nonzero()[0]
     offsets_m = np.copysign(legs.offsets_m[nearest], legs.sides[nearest])
     columns = (legs.alongs_m[nearest], offsets_m, line.headings_deg[nearest])
     return [Near(*each) for each in zip(*(column.tolist() for column in columns), strict=True)]

@@ -77,7 +77,9 @@ class Run(NamedTuple):
         if before == len(alongs_m) - 1:
             return at_s - float(plan.arrivals_s[-1])
         past_m = float(distance_m - alongs_m[before])
-        share = past_m / max(float(alongs_m[before + 1] - alongs_m[before]), 1e-9)
+        between_m = np.array([alongs_m[before], distance_m, alongs_m[before + 1]])
+        began_s, now_s, ends_s = self.trip_route.route.time_at(between_m).tolist()
+        share = float(now_s - began_s) / max(float(ends_s - began_s), 1e-9)
         took_s = float(plan.arrivals_s[before + 1] - plan.departures_s[before])
         latest_s = earliest_s = float(plan.departures_s[before]) + share * took_s
         if past_m <= AT_STOP_M:

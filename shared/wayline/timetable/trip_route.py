@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wayline.line import Line
-from wayline.route import DEFAULT_SPEED_MPS, Route, make_route
+from wayline.route import Route, make_route
 from wayline.stops import Stop
 from wayline.timetable.model import UNTIMED, Pattern, Timetable, Timing, Trip
 from wayline.timetable.notes import Notes
 from wayline.timetable.placing import PlacedPattern, place_pattern
 from wayline.timetable.plan import BAYS_M, FASTEST_MPS, WALKING_MPS, Plan, make_plan
+from wayline.timetable.section_speeds import SectionSpeeds
 
 Floats = NDArray[np.float64]
 FILE = "stop_times.txt"
@@ -41,6 +42,7 @@ class PatternRoutes:
         self._placed = place_pattern(timetable, pattern, notes)
         self.line = _with_vertices_at(self._placed.line, self._placed.alongs_m)
         self._alongs_m = np.clip(self._placed.alongs_m, 0.0, self.line.length_m)
+        self._speeds = SectionSpeeds(self.line, self._alongs_m)
 
     @property
     def some_timing(self) -> Timing:
@@ -69,7 +71,7 @@ class PatternRoutes:
             vertices=list(
                 zip(self.line.lats_deg.tolist(), self.line.lons_deg.tolist(), strict=True)
             ),
-            speeds_mps=_leg_speeds(self.line, self._alongs_m, plan).tolist(),
+            speeds_mps=self._speeds.of_plan(plan).tolist(),
             stops=(),
         )
         kept = _once(self._placed)
@@ -152,15 +154,3 @@ def _with_vertices_at(line: Line, alongs_m: Floats) -> Line:
     distances_m = np.unique(np.round(np.concatenate((line.distances_m, alongs_m)), 2))
     points = np.array([line.point_at(float(distance_m))[:2] for distance_m in distances_m])
     return Line(points[:, 0], points[:, 1])
-
-
-def _leg_speeds(line: Line, alongs_m: Floats, plan: Plan) -> Floats:
-    """Per leg of the line the planned speed between the stops around it."""
-    moved_m, took_s = np.diff(alongs_m), plan.arrivals_s[1:] - plan.departures_s[:-1]
-    drives = (moved_m > 0.0) & (took_s > 0.0)
-    if not drives.any():
-        return np.full(len(line.legs_m), DEFAULT_SPEED_MPS)
-    ends_m, speeds_mps = alongs_m[1:][drives], np.round(moved_m[drives] / took_s[drives], 6)
-    middles_m = line.distances_m[:-1] + line.legs_m / 2.0
-    section = np.minimum(np.searchsorted(ends_m, middles_m), len(ends_m) - 1)
-    return np.asarray(speeds_mps[section])

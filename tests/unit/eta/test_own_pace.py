@@ -13,13 +13,14 @@ FREE_S, JAM_S = 100, 1_200
 
 
 @pytest.mark.parametrize("every_m", [400.0, 800.0, 1500.0])
-def test_a_jam_is_told_from_five_minutes_on(every_m: float) -> None:
-    """At 3 m/s where 10 are planned, over several stops, to the end."""
+@pytest.mark.parametrize("planned_mps", [10.0, 8.3])
+def test_a_jam_is_told_from_five_minutes_on(every_m: float, planned_mps: float) -> None:
+    """At 3 m/s where more are planned, over several stops, to the end."""
     stops_m = np.arange(every_m, 9_000.0, every_m)
-    speeds_mps = [10.0] * FREE_S + [3.0] * JAM_S
+    speeds_mps = [planned_mps] * FREE_S + [3.0] * JAM_S
     came_s = np.searchsorted(np.cumsum(speeds_mps), stops_m)
     told = follow(
-        EtaCore([route_of(LINE, stops_m=stops_m.tolist())], Tuning()),
+        EtaCore([route_of(LINE, stops_m=stops_m.tolist(), speed_mps=planned_mps)], Tuning()),
         poses(LINE, speeds_mps, noise_m=1.0),
     )
     errors = []

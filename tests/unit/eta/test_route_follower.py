@@ -1,12 +1,15 @@
 """One vehicle on one route: when progress waits, and when it goes back."""
 
+from typing import NamedTuple
+
 import msgspec
+import numpy as np
 import pytest
 
 from unit.eta.route_drives import SECOND_NS, Metres, poses, route_of
 from wayline.messages import Pose
 from wayline.tuning import Tuning
-from wayline_eta.route_follower import RouteFollower
+from wayline_eta.route_follower import TAKEN_BACK_MPS, RouteFollower
 
 STRAIGHT: list[Metres] = [(0, 0), (3000, 0)]
 UNSURE_M = 40.0
@@ -33,3 +36,48 @@ def test_a_fall_back_within_three_sigmas_is_waited_for(back_m: float, stays: boo
     later = msgspec.structs.replace(second, t_ns=first.t_ns + SECOND_NS, **unsure)
     expected_m = 1000.0 if stays else 1000.0 - back_m
     assert told_m(follower, later) == pytest.approx(expected_m, abs=0.1)
+
+
+LONG: list[Metres] = [(0, 0), (8000, 0)]
+
+
+class Told(NamedTuple):
+    """Of one second, along the route."""
+
+    true_m: float
+    told_m: float
+    std_m: float
+    expected_m: float
+    """What arrivals are predicted from."""
+
+
+def seen_seldom(speeds_mps: list[float], every_s: int = 30) -> tuple[RouteFollower, list[Told]]:
+    """What is told each second of a vehicle that reports its place and speed every so often."""
+    follower, told = RouteFollower(route_of(LONG), Tuning()), []
+    for second, (pose, true_m) in enumerate(poses(LONG, speeds_mps)):
+        if second % every_s == 0:
+            assert pose.lat_deg is not None
+            assert pose.lon_deg is not None
+            follower.observe(pose, pose.lat_deg, pose.lon_deg, reported=True)
+        progress, outlook = follower.progress(pose.t_ns), follower.outlook(pose.t_ns)
+        if progress is not None and outlook is not None:
+            told.append(Told(true_m, progress.distance_m, progress.distance_std_m, outlook.total_m))
+    return follower, told
+
+
+def test_progress_waits_for_a_vehicle_that_stood_between_its_reports() -> None:
+    """It stands from second 271 on, which its next report shows: 290 m short of what was told."""
+    _, told = seen_seldom([10.0] * 271 + [0.0] * 40 + [10.0] * 200)
+    told_m = np.array([each.told_m for each in told])
+    true_m = np.array([each.true_m for each in told])
+    assert np.diff(told_m).min() >= -TAKEN_BACK_MPS - 0.1
+    assert np.abs(told_m - true_m).max() > 150.0
+    assert abs(told_m[-1] - true_m[-1]) < 30.0
+
+
+def test_while_progress_waits_std_and_arrivals_tell_where_the_vehicle_is() -> None:
+    _, told = seen_seldom([10.0] * 271 + [0.0] * 40 + [10.0] * 200)
+    waiting = [each for each in told if each.told_m > each.expected_m + 50.0]
+    assert len(waiting) > 5
+    assert all(abs(each.told_m - each.true_m) < 2.0 * each.std_m for each in waiting)
+    assert all(abs(each.expected_m - each.true_m) < 50.0 for each in waiting[:5])

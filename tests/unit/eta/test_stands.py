@@ -8,8 +8,9 @@ from wayline.tuning import Tuning
 from wayline_eta.arrivals import Outlook, later_of, predict_visits
 from wayline_eta.core import EtaCore
 from wayline_eta.expected_motion import ExpectedMotion
-from wayline_eta.lessons import as_planned
-from wayline_eta.stands import goes_on
+from wayline_eta.lessons import as_planned, lessons_by
+from wayline_eta.records import Learned, Taken
+from wayline_eta.stands import goes_on, rest_of_dwell
 
 LINE: list[Metres] = [(0, 0), (3000, 0)]
 
@@ -19,6 +20,43 @@ def test_a_stand_goes_on_for_a_share_of_its_time() -> None:
     assert stand.early_s == pytest.approx(5.4, abs=0.1)
     assert stand.left_s == pytest.approx(41.4, abs=0.1)
     assert stand.late_s == pytest.approx(216.2, abs=0.1)
+
+
+@pytest.mark.parametrize("stood_s", [0.0, 19.0, 60.0])
+def test_a_stand_that_outlasts_all_dwells_is_something_else(stood_s: float) -> None:
+    """Drawn: dwells of 20 s with a std of 6, and two in a hundred stands with a heavy tail."""
+    random, draws = np.random.default_rng(1), 4_000_000
+    log_s = np.sqrt(np.log1p(0.3**2))
+    dwells_s = 20.0 * np.exp(random.normal(-0.5 * log_s**2, log_s, draws))
+    tails_s = 20.0 * (random.uniform(0.0, 1.0, draws) ** -0.5 - 1.0)
+    stands_s = np.where(random.uniform(0.0, 1.0, draws) < 0.02, tails_s, dwells_s)
+    rests_s = stands_s[stands_s > stood_s] - stood_s
+    drawn = np.quantile(rests_s, (0.1, 0.5, 0.9)).tolist()
+    assert rest_of_dwell(stood_s, 20.0, 36.0) == pytest.approx(drawn, rel=0.1)
+
+
+@pytest.mark.parametrize("at_m", [1500.0, 2000.0], ids=["between stops", "at a stop"])
+def test_the_range_of_a_stand_of_ten_minutes_holds_most_of_the_time(at_m: float) -> None:
+    """Dwells of 20 s were seen at the stop; nobody knows when this stand will be over."""
+    route = route_of(LINE, stops_m=[1000.0, 2000.0, 2800.0], dwell_s=20.0)
+    lessons = lessons_by(())
+    for number in range(10):
+        seen = Taken(START_NS - number, None, "r", 0.0, 0.0, "r|s1", 14.0 + number % 4 * 4.0)
+        lessons.learn(Learned(taken=seen))
+    stands_s, before_s = 600, int(at_m / 10.0)
+    speeds_mps = [10.0] * before_s + [0.0] * stands_s + [10.0] * 150
+    core = EtaCore([route], Tuning(), lessons)
+    told = follow(core, poses(LINE, speeds_mps, noise_m=1.0))
+    came_ns = START_NS + SECOND_NS * (280 + stands_s)  # at the last stop, which it passes
+    held = [
+        stop.early_ns <= came_ns <= stop.late_ns
+        for one in told
+        for stop in one.arrivals.stops
+        if stop.stop_id == "s2" and one.arrivals.t_ns - START_NS - before_s * SECOND_NS >= 0
+        if one.arrivals.t_ns < START_NS + (before_s + stands_s) * SECOND_NS
+    ]
+    assert len(held) >= stands_s - 5
+    assert np.mean(held) >= 0.6
 
 
 def test_a_stand_between_stops_is_noticed_and_its_late_bound_grows() -> None:

@@ -38,7 +38,7 @@ def test_a_drive_loads_with_absolute_paths_and_defaults(tmp_path: Path) -> None:
         (DRIVE + '[vehicle]\nmass_kg = "heavy"\n', r"vehicle\.mass_kg: Expected `float`"),
         (
             DRIVE + '[tuning]\narchitecture = "tight"\n',
-            r"tuning\.architecture: .*'tight'; give one of gps_only, .*loose, uncoupled$",
+            r"tuning\.architecture: .*'tight'; give one of gps_only, .*loose, measurement,",
         ),
         (
             DRIVE + '[tuning]\nvertical_sensors = ["gps", "sonar"]\n',

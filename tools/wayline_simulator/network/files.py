@@ -1,10 +1,12 @@
 """Writes a simulated network: its feed, and a drive folder for each bus and day."""
 
+import datetime as dt
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
+import msgspec
 import numpy as np
 
 from wayline.errors import InputError
@@ -14,6 +16,7 @@ from wayline_simulator.network.model import ZONE, NetworkModel
 from wayline_simulator.network.simulation import VehicleDay, drive_days, make_network
 
 FEED_NAME, REPORTS_NAME, TRUTH_NAME, VISITS_NAME = "feed", "reports.csv", "truth.csv", "visits.csv"
+FACTS_NAME = "network.json"
 DRIVE = """[drive]
 vehicle_id = "bus-{vehicle}"
 description = "A bus of a simulated network (seed {seed}, day {number})"
@@ -31,6 +34,26 @@ speed_mps = "speed_mps"
 [truth]
 path = "{truth}"
 """
+
+
+class DayFacts(msgspec.Struct, frozen=True, kw_only=True):
+    """What a bus's day was made with, but its reports: it can be driven again."""
+
+    seed: int
+    hours: float
+    headway_min: int
+    start: dt.date
+    vehicle: int
+    """From 1."""
+    number: int
+    """Of the day, from 1."""
+
+    @property
+    def network(self) -> NetworkModel:
+        """The network that it drove in."""
+        return NetworkModel(
+            seed=self.seed, hours=self.hours, headway_min=self.headway_min, start=self.start
+        )
 
 
 class WrittenDay(NamedTuple):
@@ -87,6 +110,27 @@ def _write_day(model: NetworkModel, day: VehicleDay, folder: Path) -> None:
     _write_rows(folder / TRUTH_NAME, header, _truth(day, midnight_s))
     header = "trip_id,stop_id,stop_sequence,arrival_s,departure_s,stood"
     _write_rows(folder / VISITS_NAME, header, _visits(day, midnight_s))
+    facts = DayFacts(
+        seed=model.seed,
+        hours=model.hours,
+        headway_min=model.headway_min,
+        start=model.start,
+        vehicle=day.vehicle,
+        number=day.number,
+    )
+    text = msgspec.json.format(msgspec.json.encode(facts), indent=2).decode()
+    _write(folder / FACTS_NAME, text + "\n")
+
+
+def read_day_facts(folder: Path) -> DayFacts | None:
+    """The facts of a bus's day; None of any other drive. Raises InputError."""
+    path = folder / FACTS_NAME
+    if not path.exists():
+        return None
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=DayFacts)
+    except msgspec.DecodeError as error:
+        raise InputError(str(path), str(error), "simulate the network again") from None
 
 
 def _reports(day: VehicleDay, midnight_s: int) -> Iterable[str]:

@@ -47,6 +47,8 @@ class Stage(NamedTuple):
     motion: Motion
     trip: PlannedTrip | None
     """None on the way from and to the yard."""
+    run_log: float = 0.0
+    """Of the logarithm of the times that its driver takes."""
 
 
 class Ride(NamedTuple):
@@ -68,9 +70,11 @@ def drive_block(
     stages[0] = stages[0]._replace(ends_s=arrives_s)
     visits: list[Visit] = []
     for trip in trips:
-        motion, there = drive_trip(trip, arrives_s, traffic, random)
-        stages.append(Stage(arrives_s, there[-1].arrives_s, trip.way.street, motion, trip))
-        arrives_s = there[-1].arrives_s
+        run_log = float(random.normal(0.0, RUN_STD))
+        motion, there = drive_trip(trip, arrives_s, run_log, traffic, random)
+        ends_s, street = there[-1].arrives_s, trip.way.street
+        stages.append(Stage(arrives_s, ends_s, street, motion, trip, run_log))
+        arrives_s = ends_s
         visits += there
     back = yard_street(last.way.stops[-1])
     home = Line(back.lats_deg[::-1], back.lons_deg[::-1])
@@ -96,16 +100,20 @@ def yard_street(terminal: NetworkStop) -> Line:
 
 
 def drive_trip(
-    trip: PlannedTrip, arrives_s: float, traffic: DayTraffic, random: np.random.Generator
+    trip: PlannedTrip,
+    arrives_s: float,
+    run_log: float,
+    traffic: DayTraffic,
+    random: np.random.Generator,
 ) -> tuple[Motion, list[Visit]]:
     """From the arrival at the first stop to that at the last; early buses wait at timepoints."""
-    way, run_log = trip.way, float(random.normal(0.0, RUN_STD))
+    way = trip.way
     leaves_s = trip.departs_s + random.exponential(LATE_START_S)
     driving = Driving(arrives_s)
     driving.stand_until(max(leaves_s, arrives_s + TURN_S))
     left_s = {0: driving.time_s}
     for at_m, stop in _standstills(way, random):
-        driving.go(at_m, traffic.speed_mps(_segment(way, at_m), driving.time_s, run_log))
+        driving.go(at_m, traffic.speed_mps(segment_to(way, at_m), driving.time_s, run_log))
         stands_s = random.uniform(*STANDS_S)
         if stop is not None and stop < len(way.stops) - 1:
             planned_s = trip.departures_s[stop]
@@ -127,7 +135,7 @@ def _standstills(way: Way, random: np.random.Generator) -> list[tuple[float, int
     return sorted([*served, *red], key=lambda each: each[0])
 
 
-def _segment(way: Way, before_m: float) -> tuple[str, str]:
+def segment_to(way: Way, before_m: float) -> tuple[str, str]:
     """The stretch whose end is at or beyond a place."""
     after = next(at for at, stop in enumerate(way.stops) if at and stop.along_m >= before_m)
     return way.stops[after - 1].stop_id, way.stops[after].stop_id

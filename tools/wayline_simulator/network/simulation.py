@@ -41,15 +41,28 @@ def make_network(model: NetworkModel) -> Network:
 def drive_days(model: NetworkModel, network: Network) -> Iterator[VehicleDay]:
     """Every bus on every day on which there is a block for it."""
     for number in range(1, model.days + 1):
-        day = model.start + dt.timedelta(days=number - 1)
-        traffic = DayTraffic(model, network.ways, day, number)
-        service_id = SERVICES[0 if is_weekday(day) else 1]
+        traffic = traffic_of(model, network, number)
         for vehicle in range(1, model.vehicles + 1):
-            block_id = f"{service_id}-{vehicle}"
-            trips = [trip for trip in network.trips if trip.block_id == block_id]
-            if trips:
-                ride = drive_block(trips, traffic, randomness(model, Part.RIDE, number, vehicle))
+            ride = ride_of(model, network, traffic, vehicle)
+            if ride is not None:
                 track = track_of(ride)
                 random = randomness(model, Part.REPORTS, number, vehicle)
                 reports = reports_of(track, model.every_s, random)
-                yield VehicleDay(vehicle, number, day, ride, track, reports)
+                yield VehicleDay(vehicle, number, traffic.day, ride, track, reports)
+
+
+def traffic_of(model: NetworkModel, network: Network, number: int) -> DayTraffic:
+    """The streets on one day; the first is 1."""
+    day = model.start + dt.timedelta(days=number - 1)
+    return DayTraffic(model, network.ways, day, number)
+
+
+def ride_of(
+    model: NetworkModel, network: Network, traffic: DayTraffic, vehicle: int
+) -> Ride | None:
+    """A bus's day; None where there is no block for it."""
+    block_id = f"{SERVICES[0 if is_weekday(traffic.day) else 1]}-{vehicle}"
+    trips = [trip for trip in network.trips if trip.block_id == block_id]
+    if not trips:
+        return None
+    return drive_block(trips, traffic, randomness(model, Part.RIDE, traffic.number, vehicle))

@@ -7,10 +7,14 @@ day and congestion, which all buses there share, slow it down.
 import datetime as dt
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wayline_simulator.network.model import NetworkModel, Part, randomness
 from wayline_simulator.network.streets import Way, segments
 from wayline_simulator.noise import gauss_markov
 
+Floats = NDArray[np.float64]
 Segment = tuple[str, str]
 """The stops at both ends."""
 
@@ -46,6 +50,7 @@ class DayTraffic:
         known = sorted({segment for way in ways for segment in segments(way)})
         own = randomness(model, Part.STREET_SPEEDS).normal(0.0, OWN_STD, len(known))
         random = randomness(model, Part.TRAFFIC, number)
+        self.day, self.number = day, number
         self._has_rush = is_weekday(day)
         self._day_log = float(random.normal(0.0, DAY_STD))
         self._own_log = dict(zip(known, own.tolist(), strict=True))
@@ -55,7 +60,28 @@ class DayTraffic:
 
     def speed_mps(self, segment: Segment, time_s: float, run_log: float) -> float:
         """Between standstills on a stretch that is entered at a time, by a driver of this pace."""
-        at = min(max(int(time_s / STEP_S), 0), int(DAY_S / STEP_S) - 1)
-        slow_log = self._own_log[segment] + float(self._congestion_log[segment][at])
-        rushed = rush(time_s) if self._has_rush else 0.0
-        return USUAL_MPS / ((1.0 + rushed) * math.exp(slow_log + self._day_log + run_log))
+        slow_log = self._own_log[segment] + float(self._congestion_log[segment][_step(time_s)])
+        slow_log += self._day_log + run_log
+        return USUAL_MPS / ((1.0 + self._rushed(time_s)) * math.exp(slow_log))
+
+    def foreseen_mps(
+        self, segment: Segment, now_s: float, times_s: Floats, run_log: float, chance: Floats
+    ) -> Floats:
+        """Speeds at later times, for who knows all but how the congestion of now will change.
+
+        `times_s` and `chance`, of the standard normal distribution, have shape (n,).
+        """
+        kept = np.exp(-np.maximum(times_s - now_s, 0.0) / CONGESTION_S)
+        now_log = float(self._congestion_log[segment][_step(now_s)])
+        slow_log = kept * now_log + np.sqrt(1.0 - kept**2) * CONGESTION_STD * chance
+        rushed = np.array([self._rushed(time_s) for time_s in times_s.tolist()])
+        usual_log = self._own_log[segment] + self._day_log + run_log
+        return np.asarray(USUAL_MPS / ((1.0 + rushed) * np.exp(usual_log + slow_log)))
+
+    def _rushed(self, time_s: float) -> float:
+        return rush(time_s) if self._has_rush else 0.0
+
+
+def _step(time_s: float) -> int:
+    """Of the congestion's, that an instant of the day lies in."""
+    return min(max(int(time_s / STEP_S), 0), int(DAY_S / STEP_S) - 1)

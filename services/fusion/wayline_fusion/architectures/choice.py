@@ -12,6 +12,7 @@ from wayline_fusion.aids.torque import TorqueSlope
 from wayline_fusion.architectures.architecture import Architecture
 from wayline_fusion.architectures.gps_only import GpsOnly, by_quality, same_for_all
 from wayline_fusion.architectures.loose import Loose
+from wayline_fusion.architectures.measurement import measurement
 from wayline_fusion.architectures.uncoupled import Uncoupled
 from wayline_fusion.filter.vertical import VerticalAid, VerticalEstimate
 from wayline_fusion.intake.events import (
@@ -36,10 +37,15 @@ Build = Callable[[Tuning, Saved | None], Chosen]
 """Makes an architecture that begins with what was kept of the vehicle."""
 
 
-def _loose(tuning: Tuning, saved: Saved | None) -> Chosen:
-    loose = Loose(tuning)
-    vertical = _vertical(tuning, loose)
-    return Chosen(loose, vertical, EstimateKeeper(loose, vertical, saved, tuning))
+def _keeping(make: Callable[[Tuning], Loose]) -> Build:
+    """For an architecture whose calibration and pose outlive a restart."""
+
+    def build(tuning: Tuning, saved: Saved | None) -> Chosen:
+        architecture = make(tuning)
+        vertical = _vertical(tuning, architecture)
+        return Chosen(architecture, vertical, EstimateKeeper(architecture, vertical, saved, tuning))
+
+    return build
 
 
 def _forgetful(make: Callable[[Tuning], Architecture]) -> Build:
@@ -63,7 +69,8 @@ def _vertical(tuning: Tuning, architecture: Architecture) -> VerticalEstimate:
 
 
 ARCHITECTURES: Mapping[str, Build] = {
-    "loose": _loose,
+    "loose": _keeping(Loose),
+    "measurement": _keeping(measurement),
     "uncoupled": _forgetful(Uncoupled),
     "gps_only": _forgetful(lambda tuning: GpsOnly(tuning, same_for_all)),
     "gps_only_modified": _forgetful(lambda tuning: GpsOnly(tuning, by_quality)),

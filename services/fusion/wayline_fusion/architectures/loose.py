@@ -24,6 +24,7 @@ from wayline_fusion.aids.wheels import Wheels
 from wayline_fusion.architectures.architecture import Motion, SensorErrors
 from wayline_fusion.filter.estimate import Aid, Estimate
 from wayline_fusion.filter.gyro_track import TakeGyro
+from wayline_fusion.filter.horizontal import HorizontalFilter
 from wayline_fusion.filter.states import States
 from wayline_fusion.filter.vertical import Progress
 from wayline_fusion.intake.events import (
@@ -52,8 +53,13 @@ class Loose(Estimate):
 
     uses_vehicle: ClassVar[bool] = True
 
-    def __init__(self, tuning: Tuning) -> None:
-        super().__init__(tuning, aids())
+    def __init__(
+        self,
+        tuning: Tuning,
+        aid_of: Mapping[type[Event], Aid] | None = None,
+        kalman: HorizontalFilter | None = None,
+    ) -> None:
+        super().__init__(tuning, aid_of or aids(), kalman)
         self.take_gyro: TakeGyro = self.gyro.add
         """Appends to the measured turn, which predictions read."""
 

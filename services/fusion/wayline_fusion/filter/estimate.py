@@ -26,6 +26,8 @@ WHEELS_FRESH_NS = 2_000_000_000
 """A wheel speed this old no longer says that the vehicle moves or stands."""
 ROUNDING_CORRELATION_S = 0.1
 """While driving, the rate goes through a coarse gyro's steps this fast."""
+RANGED_NS = 3_000_000_000
+"""So long after raw measurements fixes, which are made of them, tell nothing."""
 FORGOTTEN_INTERVALS = 3.0
 """Of a source's fixes."""
 UNSURE_HEADING_RAD = math.radians(20.0)
@@ -105,8 +107,13 @@ Turn = Callable[["Estimate", float, float, int | None], bool]
 class Estimate:
     """Position, heading, speed and the errors of gyro and odometer."""
 
-    def __init__(self, tuning: Tuning, aids: Mapping[type[Event], Aid]) -> None:
-        self.filter = HorizontalFilter(tuning)
+    def __init__(
+        self,
+        tuning: Tuning,
+        aids: Mapping[type[Event], Aid],
+        kalman: HorizontalFilter | None = None,
+    ) -> None:
+        self.filter = kalman or HorizontalFilter(tuning)
         self.gyro = GyroTrack()
         self.gyro_rounding_radps = 0.0
         """Std of the gyro's steps."""
@@ -200,6 +207,12 @@ class Estimate:
         """Whether there is a recent wheel speed."""
         wheels_ns = self.situation.wheels_ns
         return wheels_ns is not None and self.t_ns - wheels_ns <= WHEELS_FRESH_NS
+
+    @property
+    def ranged(self) -> bool:
+        """Whether raw measurements correct, satellite by satellite."""
+        ranged_ns = self.situation.ranged_ns
+        return ranged_ns is not None and self.t_ns - ranged_ns <= RANGED_NS
 
     @property
     def motion_told(self) -> bool:

@@ -55,14 +55,14 @@ class DrivingNoise(NamedTuple):
 class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
     """Extended Kalman filter over `States`: filterpy's, given what is linearised here."""
 
-    def __init__(self, tuning: Tuning) -> None:
-        super().__init__(dim_x=SIZE, dim_z=2)
+    def __init__(self, tuning: Tuning, size: int = SIZE) -> None:
+        super().__init__(dim_x=size, dim_z=2)
         self._tuning = tuning
-        self.x = np.zeros(SIZE)
+        self.x = np.zeros(size)
         self.x[S.GYRO_SCALE] = self.x[S.ODOMETER_SCALE] = 1.0
         self.P = np.diag(np.square(self._initial_stds()))
-        self.F = np.eye(SIZE)
-        self.Q = np.zeros((SIZE, SIZE))
+        self.F = np.eye(size)
+        self.Q = np.zeros((size, size))
         self.inv = _inverse
 
     def _initial_stds(self) -> list[float]:
@@ -157,7 +157,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def _set_noise(self, dt_s: float, noise: DrivingNoise, *, gyro: bool, standing: bool) -> None:
         # a view of the diagonal, made anew: a copy of the filter would keep a view of the old Q
-        tuning, variances = self._tuning, self.Q.reshape(-1)[:: SIZE + 1]
+        tuning, variances = self._tuning, self.Q.reshape(-1)[:: len(self.Q) + 1]
         if standing:
             position_mps2, heading = 0.0, 0.0
         else:
@@ -273,7 +273,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
 
     def mirror(self) -> None:
         """Turn the heading round and change the speed's sign: the same motion, told forwards."""
-        sign = np.ones(SIZE)
+        sign = np.ones(len(self.x))
         sign[[S.WHEEL_SPEED, S.ACCELERATION]] = -1.0
         self.x = sign * self.x
         self.x[S.HEADING] = wrap_pi(float(self.x[S.HEADING]) + math.pi)
@@ -291,7 +291,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
     def inflate_acceleration(self, gained_mps: float, over_s: float) -> None:
         """Doubt the acceleration: the vehicle may have gained or lost so much at an even rate."""
         heading_rad = float(self.x[S.HEADING])
-        made = np.zeros(SIZE)
+        made = np.zeros(len(self.x))
         made[S.ACCELERATION], made[S.WHEEL_SPEED] = gained_mps / over_s, gained_mps
         made[S.EAST] = 0.5 * over_s * gained_mps * math.sin(heading_rad)
         made[S.NORTH] = 0.5 * over_s * gained_mps * math.cos(heading_rad)
@@ -347,7 +347,7 @@ class HorizontalFilter(KalmanFilter):  # type: ignore[misc]
     def inflate_turn(self, turned_rad: float, over_s: float) -> None:
         """Doubt the heading: the vehicle may have turned so far at an even rate."""
         heading_rad, way_m = float(self.x[S.HEADING]), abs(self.speed_mps) * over_s
-        made = np.zeros(SIZE)
+        made = np.zeros(len(self.x))
         made[S.HEADING] = turned_rad
         made[S.EAST] = 0.5 * way_m * turned_rad * math.cos(heading_rad)
         made[S.NORTH] = -0.5 * way_m * turned_rad * math.sin(heading_rad)

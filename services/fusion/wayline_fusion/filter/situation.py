@@ -68,6 +68,8 @@ class Situation(msgspec.Struct, frozen=True):
     placed_ns: int | None = None
     """When the position was last set to a fix, not corrected with one."""
     accepted_fix_ns: int | None = None
+    ranged_ns: int | None = None
+    """When a satellite's range corrected last."""
     fix_interval_s: float = UNKNOWN_S
     """Between fixes, as their source usually tells them."""
     way_unknown_ns: int | None = None

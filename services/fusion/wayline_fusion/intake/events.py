@@ -5,8 +5,12 @@ whole, which brings the state to its instant, then its speed, course, position a
 """
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from wayline.vertical.propulsion import Push
+
+Floats = NDArray[np.float64]
 
 
 class Elapsed(msgspec.Struct, frozen=True, gc=False):
@@ -115,6 +119,27 @@ class FixTaken(msgspec.Struct, frozen=True, gc=False):
     tells_speed: bool
 
 
+class Ranges(msgspec.Struct, frozen=True, gc=False):
+    """One epoch of raw measurements, a row for each satellite; nan is what is not told."""
+
+    t_ns: int
+    names: tuple[str, ...]
+    """As verdicts call them."""
+    systems: tuple[str, ...]
+    places_m: Floats
+    """Earth-centred, Earth-fixed, in the frame of the transmission; shape (n, 3)."""
+    pseudoranges_m: Floats
+    """Free of the satellites' clocks and of the atmosphere."""
+    stds_m: Floats
+    """As the receiver claims them."""
+    cn0_dbhz: Floats
+    motions_mps: Floats
+    """Shape (n, 3)."""
+    rates_mps: Floats
+    """Of the ranges, positive going away, free of the satellites' clocks."""
+    rate_stds_mps: Floats
+
+
 class GpsAltitude(msgspec.Struct, frozen=True, gc=False):
     """Altitude above mean sea level of a fix, with one sigma of its total error."""
 
@@ -175,6 +200,7 @@ Event = (
     | GpsPosition
     | FixSeen
     | FixTaken
+    | Ranges
     | GpsAltitude
     | Pressure
     | Push

@@ -7,7 +7,7 @@ from wayline.air import metres_per_pascal, pressure_altitude_m
 from wayline.cadence import Cadence
 from wayline.drive import Vehicle
 from wayline.gps_quality import altitude_std_m, has_altitude, horizontal_std_m, is_good
-from wayline.messages import Barometer, GpsFix, Gyro, Message, Odometer, Torque
+from wayline.messages import Barometer, GpsFix, GpsRaw, Gyro, Message, Odometer, Torque
 from wayline.resolution import PRESSURE_UNIT_PA, Resolution
 from wayline.tuning import Tuning
 from wayline.vertical.engine import Engine
@@ -28,12 +28,14 @@ from wayline_fusion.intake.events import (
 )
 from wayline_fusion.intake.fix_velocity import FixVelocity
 from wayline_fusion.intake.plausibility import Plausibility, within_reason
+from wayline_fusion.intake.ranges import ranges_of
 from wayline_fusion.intake.told import Told
 from wayline_fusion.intake.warmth import Warmth
 
 SENSORS: dict[type[Message], str] = {
     Barometer: "barometer",
     GpsFix: "gps_position",
+    GpsRaw: "gps_raw",
     Gyro: "gyro",
     Odometer: "odometer",
     Torque: "torque",
@@ -158,6 +160,14 @@ class Intake:
         parts = interval, *parts_of(self._with_velocity(fix, fix.lat_deg, fix.lon_deg))
         altitude = self._altitude(fix, source)
         return parts if altitude is None else (*parts, altitude)
+
+    def ranges(self, epoch: GpsRaw) -> tuple[Event, ...]:
+        """An epoch of raw measurements; nothing of one that no satellite can be used of."""
+        ranges = ranges_of(epoch)
+        if ranges is None:
+            return ()
+        self.fix_ns = epoch.t_ns
+        return (ranges,)
 
     def _altitude(self, fix: GpsFix, source: str) -> GpsAltitude | None:
         if fix.alt_m is None or not has_altitude(fix):

@@ -1,0 +1,1 @@
+"""What a receiver is told of the vehicle, so that its loops need not find out (papers/001)."""

@@ -1,0 +1,97 @@
+"""Who knows more than eta: all other laps of a loop, or the streets of a simulated network."""
+
+import numpy as np
+import pytest
+
+from wayline.messages import Progress, StopEvent
+from wayline_evaluation.other_laps import OtherLaps
+from wayline_evaluation.told_streets import ToldStreets
+from wayline_simulator.network.model import NetworkModel
+from wayline_simulator.network.simulation import make_network, ride_of, traffic_of
+
+START_S = 1_700_000_000
+NS = 1_000_000_000
+LAP_M = 1_000.0
+LAPS_S = (100, 120, 200)
+"""Each driven evenly."""
+
+
+def loop() -> tuple[list[Progress], list[StopEvent]]:
+    """Three laps from stop A on, B halfway; on the second it stands at B for the last 20 s."""
+    progress, events, begun_s = [], [], START_S
+    for lap, lap_s in enumerate(LAPS_S):
+        stands_s = 20 if lap == 1 else 0
+        drives_s = lap_s - stands_s
+        for second in range(lap_s):
+            halfway = drives_s // 2
+            driven_s = second if second < halfway else max(second - stands_s, halfway)
+            progress.append(at((begun_s + second), lap, LAP_M * driven_s / drives_s))
+        events += [came(begun_s, "A", lap), came(begun_s + drives_s / 2, "B", lap)]
+        begun_s += lap_s
+    return progress, [*events, came(begun_s, "A", len(LAPS_S))]
+
+
+def at(t_s: float, lap: int, distance_m: float) -> Progress:
+    return Progress(
+        t_ns=round(t_s * NS),
+        route_id="R",
+        distance_m=distance_m,
+        lap=lap,
+        lat_deg=48.0,
+        lon_deg=11.0,
+        cross_track_m=0.0,
+        distance_std_m=1.0,
+        on_route=True,
+        speed_mps=8.0,
+    )
+
+
+def came(t_s: float, stop_id: str, lap: int) -> StopEvent:
+    return StopEvent(
+        t_ns=round(t_s * NS),
+        route_id="R",
+        stop_id=stop_id,
+        stop_sequence=1 + "AB".index(stop_id),
+        kind="arrived",
+        distance_m=0.0,
+        lap=lap,
+    )
+
+
+def test_other_laps_say_how_long_it_is_from_the_same_place() -> None:
+    """A quarter of the first lap has been driven: to B the others took 25 and 50 s."""
+    told_s = OtherLaps(*loop()).arrivals_s("B", START_S + 25.0) - (START_S + 25.0)
+    assert sorted(told_s.tolist()) == pytest.approx([25.0, 50.0], abs=1.5)
+
+
+def test_other_laps_count_how_long_it_has_stood() -> None:
+    """Five seconds at B, where the other laps did not stand: half of their time is left."""
+    begun_s = START_S + LAPS_S[0]
+    told_s = OtherLaps(*loop()).arrivals_s("A", begun_s + 55.0) - (begun_s + 55.0)
+    assert sorted(told_s.tolist()) == pytest.approx([50.0, 100.0], abs=2.5)
+
+
+def test_who_is_told_the_streets_knows_how_likely_each_arrival_is() -> None:
+    """Over a morning of three buses: as often late as early, eight in ten within p10 and p90."""
+    model = NetworkModel(seed=17, vehicles=3, hours=3.0)
+    network, random = make_network(model), np.random.default_rng(1)
+    traffic, shares = traffic_of(model, network, 1), []
+    for vehicle in (1, 2, 3):
+        ride = ride_of(model, network, traffic, vehicle)
+        assert ride is not None
+        came_s = {(visit.trip_id, visit.stop_id): visit.arrives_s for visit in ride.visits}
+        for stage in ride.stages:
+            if stage.trip is None:
+                continue
+            streets = ToldStreets(stage, stage.trip, traffic)
+            for time_s in np.arange(stage.begins_s + 1.0, stage.ends_s, 240.0):
+                found = streets.arrivals_s(float(time_s), random)
+                shares += [
+                    np.mean(each_s < came_s[stage.trip.trip_id, stop_id])
+                    for stop_id, each_s in found.items()
+                ]
+    assert len(shares) > 500
+    assert np.mean(shares) == pytest.approx(0.5, abs=0.06)
+    assert np.mean((np.array(shares) > 0.1) & (np.array(shares) < 0.9)) == pytest.approx(
+        0.8, abs=0.06
+    )
