@@ -168,3 +168,16 @@ def test_the_mass_is_kept_over_a_restart_and_doubted_after_a_stand(
     kalman = core._vertical.filter
     assert kalman.mass * TRUCK.mass_kg == pytest.approx(23_000.0, rel=0.05)
     assert kalman.std(VerticalStates.INVERSE_MASS) == pytest.approx(std_share, abs=0.03)
+
+
+def test_a_stand_opens_no_mass_that_only_torque_could_tell() -> None:
+    """Without an altimeter nothing tells a mass from a slope: it stays the stated one."""
+    pause_ns = 400_000_000_000
+    driven = list(heard(60.0))
+    later = [msgspec.structs.replace(each, t_ns=each.t_ns + pause_ns) for each in heard(60.0)]
+    standing = [
+        Odometer(t_ns=driven[-1].t_ns + number * 500_000_000, speed_mps=0.0)
+        for number in range(1, 650)
+    ]
+    found = outputs([*driven, *standing, *later], Tuning(vertical_sensors=("torque",)))
+    assert last_status(found).mass_kg == pytest.approx(TRUCK.mass_kg, rel=0.03)

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 
 from wayline.tuning import Tuning
-from wayline.vertical.loading import DOUBT_STD_SHARE, STOOD_S
+from wayline.vertical.loading import STOOD_S
 from wayline.vertical.model import VerticalModel
 from wayline.vertical.states import VerticalStates
 from wayline_fusion.filter.vertical import Snapshot
@@ -60,7 +60,7 @@ def resumed_height(
     else:
         moved = model.transition(speed_mps * off_s, off_s)
     if abs(speed_mps) < STOOD_MPS and off_s >= STOOD_S:
-        moved.Q[S.INVERSE_MASS, S.INVERSE_MASS] = DOUBT_STD_SHARE**2
+        moved.Q[S.INVERSE_MASS, S.INVERSE_MASS] = model.load_std**2
     x, covariance = moved.F @ x, moved.F @ covariance @ moved.F.T + moved.Q
     if covariance[S.ALTITUDE, S.ALTITUDE] > USEFUL_STD_M**2:
         return fresh
