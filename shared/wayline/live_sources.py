@@ -1,6 +1,6 @@
 """Pure: what a machine listens to: receivers and buses as the configuration names them."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from msgspec import Meta
 
@@ -24,8 +24,15 @@ class LiveRaw(Strict, frozen=True, kw_only=True):
     """serial:///dev/ttyACM0, tcp://host:port or udp://:port"""
     baud: Annotated[int, Meta(gt=0)] | None = None
     """Of a serial line; found by itself where it is not given."""
-    nav: tuple[str, ...] = ()
+    format: Literal["ubx"] = "ubx"
+    """The only one that is heard live."""
+    nav: str | tuple[str, ...] = ()
     """RINEX navigation files, in place of what the receiver hears; relative to this file."""
+
+    @property
+    def navs(self) -> tuple[str, ...]:
+        """None, one or several."""
+        return (self.nav,) if isinstance(self.nav, str) else self.nav
 
 
 class LiveAvl(Strict, frozen=True, kw_only=True):

@@ -116,9 +116,11 @@ class GpsSky(Message, frozen=True, kw_only=True):
 class RawSatellite(msgspec.Struct, frozen=True, kw_only=True):
     """What a receiver measured of one satellite, and where that was; ECEF, at the transmission.
 
-    The pseudorange is free of the atmosphere's delay. `clock_bias_m` is to be added to it; where
-    that is None, nothing is left to add. Place and motion are in the Earth-fixed frame of the
-    instant of transmission: the Earth's turn while the signal travelled is left to the reader.
+    The pseudorange is the way that the signal travelled with the receiver's clock in it, another
+    offset for each system, less the satellite's clock: `clock_bias_m` is to be added; where that is
+    None, nothing is left to add. The atmosphere's delay is taken out, but while nothing tells
+    roughly where the receiver is. Place and motion are in the Earth-fixed frame of the instant of
+    transmission: the Earth's turn while the signal travelled is left to the reader.
     """
 
     system: Text

@@ -148,8 +148,7 @@ def load_settings(path: Path, environment: Mapping[str, str] = os.environ) -> Se
         routes=tuple(absolute(route) for route in settings.routes),
         feeds=tuple(absolute(feed) for feed in settings.feeds),
         raw=tuple(
-            msgspec.structs.replace(raw, nav=tuple(absolute(nav) for nav in raw.nav))
-            for raw in settings.raw
+            msgspec.structs.replace(raw, nav=tuple(map(absolute, raw.navs))) for raw in settings.raw
         ),
         can=tuple(
             msgspec.structs.replace(can, dbc=tuple(absolute(dbc) for dbc in can.dbc))

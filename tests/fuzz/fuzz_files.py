@@ -23,9 +23,11 @@ from types import FrameType
 import psutil
 
 from can_files import DBC, FORMATS, drive_of, recording
+from unit.gps_ingest.raw.rinex_text import navigation_file, observations
 from wayline.codec import decode, encode
 from wayline.drive_file import load_drive
 from wayline.errors import InputError
+from wayline_bench import made_up_sky
 from wayline_replay.stream import DriveStream
 
 log = logging.getLogger("fuzz")
@@ -58,6 +60,28 @@ ID=123h
 Len=8
 Sig=Speed 0
 """
+RAW = b"time,sat,range,x,y,z\n" + b"".join(
+    b"%d,G%02d,%d,14567933.9,2809850.9,21875628.1\n" % (1587045541 + second, prn, 20000000 + prn)
+    for second in range(8)
+    for prn in range(1, 6)
+)
+RAW_TABLE = (
+    'columns = { time = "time", prn = "sat", pseudorange_m = "range", '
+    'x_m = "x", y_m = "y", z_m = "z" }\n'
+)
+RAW_SKY = made_up_sky.sky(made_up_sky.TOE_S + 300.0)
+RINEX_NAV = navigation_file(each.orbit for each in RAW_SKY)
+RINEX = observations(
+    (
+        5,
+        float(second),
+        [
+            (f"G{prn:02d}", made_up_sky.signal(seen, made_up_sky.TOE_S + 300.0 + second))
+            for prn, seen in ((each.orbit.prn, each.orbit) for each in RAW_SKY)
+        ],
+    )
+    for second in range(8)
+)
 AVL_TABLE = 'columns = { time = "time", lat_deg = "lat", lon_deg = "lon" }\n'
 
 
@@ -82,9 +106,30 @@ def kinds(folder: Path) -> list[Kind]:
         made.append(Kind(kind, path.read_bytes(), _can_writer(path.name)))
     made.append(Kind("nmea", NMEA, _source_writer("[[nmea]]", "a.nmea", "")))
     made.append(Kind("avl", AVL, _source_writer("[[avl]]", "a.csv", AVL_TABLE)))
+    made += _raw_kinds()
     made.append(Kind("dbc", DBC.encode(), _database_writer("v.dbc")))
     made.append(Kind("sym", SYM, _database_writer("v.sym")))
     return made
+
+
+def _raw_kinds() -> list[Kind]:
+    """Raw measurements: tables, u-blox, RINEX, and the navigation file beside that."""
+    rinex = _source_writer("[[raw]]", "a.obs", 'nav = ["brdc.nav"]\n')
+
+    def write_nav(folder: Path, data: bytes) -> None:
+        rinex(folder, RINEX.encode())
+        (folder / "brdc.nav").write_bytes(data)
+
+    def write_rinex(folder: Path, data: bytes) -> None:
+        (folder / "brdc.nav").write_text(RINEX_NAV)
+        rinex(folder, data)
+
+    return [
+        Kind("raw table", RAW, _source_writer("[[raw]]", "a.csv", RAW_TABLE)),
+        Kind("ubx", made_up_sky.recording(8), _source_writer("[[raw]]", "a.ubx", "")),
+        Kind("rinex", RINEX.encode(), write_rinex),
+        Kind("rinex nav", RINEX_NAV.encode(), write_nav),
+    ]
 
 
 def _can_writer(name: str) -> Callable[[Path, bytes], None]:

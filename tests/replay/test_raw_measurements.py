@@ -4,11 +4,14 @@ import json
 import math
 import shutil
 from collections.abc import Callable
+from functools import reduce
+from operator import xor
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from wayline_bench.made_up_sky import START_S, epoch, navigation, sky
 from wayline_replay.outages import Outage
 from wayline_replay.replay import replay
 
@@ -79,3 +82,23 @@ def test_the_same_drive_tells_the_same_to_the_last_bit(berlin: Path, tmp_path: P
     replay(copy, tmp_path / "second")
     first, second = (tmp_path / name / "gps_raw.jsonl" for name in ("first", "second"))
     assert first.read_bytes() == second.read_bytes()
+
+
+def test_one_log_of_a_receiver_is_fixes_and_measurements(tmp_path: Path) -> None:
+    """Sentences and UBX as they come from one line: each table reads what is its own."""
+    satellites = sky()
+    parts = [navigation(satellites)]
+    for second in range(12):
+        body = f"GPRMC,0214{42 + second:02d}.00,A,4806.000,N,01136.000,E,0.0,0.0,080126,,"
+        checksum = reduce(xor, body.encode())
+        parts += [epoch(satellites, START_S + second), f"${body}*{checksum:02X}\r\n".encode()]
+    (tmp_path / "log.ubx").write_bytes(b"".join(parts))
+    (tmp_path / "drive.toml").write_text(
+        '[drive]\nvehicle_id = "both"\n[[nmea]]\npath = "log.ubx"\n[[raw]]\npath = "log.ubx"\n'
+    )
+    summary = replay(tmp_path, tmp_path / "out")
+    assert (summary.counts["gps_fix"], summary.counts["gps_raw"]) == (12, 12)
+    assert summary.bad_input == {"gps-ingest": 0, "gps-ingest-2": 0}
+    times_ns = [told["t_ns"] for told in epochs(tmp_path / "out")]
+    with (tmp_path / "out" / "gps_fix.jsonl").open("rb") as file:
+        assert [json.loads(line)["t_ns"] for line in file] == times_ns

@@ -15,6 +15,7 @@ START_S = TOE_S + 900.0
 ECEF = Transformer.from_crs("EPSG:4979", "EPSG:4978", always_xy=True)
 OWN_M: tuple[float, float, float] = ECEF.transform(11.6, 48.1, 570.0)
 MASK_DEG = 10.0
+L1_HZ = 1_575.42e6
 
 
 class Seen(NamedTuple):
@@ -55,9 +56,16 @@ def flight_m(satellite: Orbit, tow_s: float) -> float:
 
 def signal(satellite: Orbit, tow_s: float, clock_m: float = 0.0) -> Signal:
     """What a receiver in empty space would measure, its own clock ahead by so many metres."""
+    later_m, earlier_m = (pseudorange_m(satellite, tow_s + each) for each in (0.5, -0.5))
+    doppler_hz = (earlier_m - later_m) * L1_HZ / SPEED_OF_LIGHT_MPS
+    return Signal(satellite.prn, pseudorange_m(satellite, tow_s) + clock_m, doppler_hz)
+
+
+def pseudorange_m(satellite: Orbit, tow_s: float) -> float:
+    """What a signal has travelled, less the satellite's clock's lead."""
     travelled_m = flight_m(satellite, tow_s)
-    lead_m = satellite.clock_s(tow_s - travelled_m / SPEED_OF_LIGHT_MPS) * SPEED_OF_LIGHT_MPS
-    return Signal(satellite.prn, travelled_m - lead_m + clock_m)
+    lead_s = satellite.lead_s(tow_s - travelled_m / SPEED_OF_LIGHT_MPS)
+    return travelled_m - lead_s * SPEED_OF_LIGHT_MPS
 
 
 def navigation(satellites: list[Seen]) -> bytes:

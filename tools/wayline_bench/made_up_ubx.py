@@ -34,6 +34,7 @@ LAYOUT: dict[int, dict[str, Field]] = {
         "toc_s": Field(176, 16, 16.0),
         "f1": Field(200, 16, 2.0**-43, True),
         "f0_s": Field(216, 22, 2.0**-31, True),
+        "tgd_s": Field(160, 8, 2.0**-31, True),
         "iodc_low": Field(168, 8),
     },
     2: {
@@ -87,6 +88,10 @@ class Orbit(NamedTuple):
         )
         return numbers["f0_s"] + numbers["f1"] * since_s + relativity_s
 
+    def lead_s(self, tow_s: float) -> float:
+        """The clock's lead on L1 alone: less the group delay (20.3.3.3.3.2)."""
+        return self.clock_s(tow_s) - self.numbers["tgd_s"]
+
     def place_m(self, tow_s: float) -> tuple[float, float, float]:
         """Earth-fixed, at a second of the week (table 20-IV)."""
         numbers, since_s = self.numbers, since(tow_s, self.toe_s)
@@ -130,6 +135,7 @@ def orbit(prn: int, week: int, toe_s: float, **changed: float) -> Orbit:
         "toc_s": toe_s,
         "f1": 2e-12 * (prn % 5 - 2),
         "f0_s": 1e-5 * (prn - 16),
+        "tgd_s": 5e-9 * (prn % 4 - 1),
         "iodc_low": prn,
         "iode": prn,
         "deln": 4.5e-9,

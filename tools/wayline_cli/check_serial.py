@@ -6,18 +6,19 @@ from pathlib import Path
 
 from serial.tools import list_ports
 
-from wayline.live_sources import LiveNmea
+from wayline.live_sources import LiveNmea, LiveRaw
 from wayline_cli.check import Check, fine, note, wrong
 from wayline_cli.listen_serial import Hearing
 from wayline_gps_ingest.links import UBX_ONLY
 
 SERIAL = "serial://"
 
-Listen = Callable[[LiveNmea], Hearing]
+Live = LiveNmea | LiveRaw
+Listen = Callable[[Live], Hearing]
 Devices = Callable[[], list[str]]
 
 
-def check_receivers(receivers: Sequence[LiveNmea], listen: Listen, devices: Devices) -> list[Check]:
+def check_receivers(receivers: Sequence[Live], listen: Listen, devices: Devices) -> list[Check]:
     """Receivers on serial lines, all at once; those on the network come and go by themselves."""
     configured = [each for each in receivers if each.url.startswith(SERIAL)]
     known = {Path(device_of(each)).resolve() for each in configured}
@@ -27,7 +28,7 @@ def check_receivers(receivers: Sequence[LiveNmea], listen: Listen, devices: Devi
         for device in present
         if Path(device).resolve() not in known
     ]
-    lines = [*configured, *others]
+    lines: list[Live] = [*configured, *others]
     if not lines:
         return []
     with ThreadPoolExecutor(len(lines)) as threads:
@@ -38,21 +39,22 @@ def check_receivers(receivers: Sequence[LiveNmea], listen: Listen, devices: Devi
     ]
 
 
-def device_of(receiver: LiveNmea) -> str:
+def device_of(receiver: Live) -> str:
     """The device that a URL names."""
     return receiver.url.removeprefix(SERIAL).partition("?")[0]
 
 
-def _configured(receiver: LiveNmea, heard: Hearing, present: Sequence[str]) -> Check:
+def _configured(receiver: Live, heard: Hearing, present: Sequence[str]) -> Check:
     subject = f"receiver {device_of(receiver)}"
     problem = heard.problem
     if problem is None:
-        return _speaking(subject, heard)
+        is_raw = isinstance(receiver, LiveRaw)
+        return _measuring(subject, heard) if is_raw else _speaking(subject, heard)
     if "in use" in problem:
         return fine(subject, problem)
     if "is not there" in problem:
         there = ", ".join(present) or "none"
-        return wrong(subject, problem, f"plug it in or correct [[nmea]] url (present: {there})")
+        return wrong(subject, problem, f"plug it in or correct its url (present: {there})")
     if "dialout" in problem:
         return wrong(subject, problem, "add the services' user to the device's group (dialout)")
     return wrong(subject, _with_note(problem, heard), _mend(heard))
@@ -71,6 +73,15 @@ def _speaking(subject: str, heard: Hearing, unused: str = "") -> Check:
     mend = "" if heard.has_fix else "give the antenna a view of the sky and some minutes"
     mends = "; ".join(filter(None, (unused, mend)))
     return note(subject, found, mends) if mends else fine(subject, found)
+
+
+def _measuring(subject: str, heard: Hearing) -> Check:
+    """A raw source whose messages are understood."""
+    found = f"{heard.note}: {', '.join(heard.sentences)}"
+    if heard.has_fix:
+        return fine(subject, found)
+    mend = "switch RXM-RAWX and RXM-SFRBX on (docs/connect-a-receiver.md)"
+    return wrong(subject, f"{found}, no RXM-RAWX", mend)
 
 
 def _with_note(problem: str, heard: Hearing) -> str:

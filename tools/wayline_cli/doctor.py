@@ -122,7 +122,7 @@ def devices(settings: Settings) -> list[Check]:
         from wayline_cli.check_serial import check_receivers, serial_devices  # noqa: PLC0415
         from wayline_cli.listen_serial import listen  # noqa: PLC0415
 
-        checks += check_receivers(settings.nmea, listen, serial_devices)
+        checks += check_receivers((*settings.nmea, *settings.raw), listen, serial_devices)
     if settings.avl and is_installed("httpx2"):
         from wayline_cli.check_agency import check_agencies  # noqa: PLC0415
 

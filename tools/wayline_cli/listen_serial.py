@@ -2,18 +2,20 @@
 
 import threading
 import time
+from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
 
 from wayline.inputs import Sentence
-from wayline.live_sources import LiveNmea
+from wayline.live_sources import LiveNmea, LiveRaw
 from wayline.messages import GpsFix
 from wayline_gps_ingest.baud import is_sound
 from wayline_gps_ingest.condition import Condition
 from wayline_gps_ingest.core import GpsIngestCore
-from wayline_gps_ingest.links import UBX_ONLY
+from wayline_gps_ingest.links import NMEA, UBX_ONLY, ubx_speech
+from wayline_gps_ingest.raw.ubx_frames import RAWX, SFRBX, UbxBytes
 from wayline_gps_ingest.receivers import NOT_TRIED, Receiver
 
 LISTEN_S = 3.0
@@ -25,6 +27,8 @@ SILENT_S = 3.0
 REFUSED_S = 0.5
 """A line that cannot be opened for so long cannot be had."""
 POLL_S = 0.05
+UBX_NAMES = {RAWX: "RXM-RAWX", SFRBX: "RXM-SFRBX"}
+OTHER_UBX = "other UBX"
 
 
 class Hearing(NamedTuple):
@@ -35,30 +39,43 @@ class Hearing(NamedTuple):
     note: str | None = None
     """The rate as found."""
     sentences: tuple[str, ...] = ()
-    """Talker and kind of the sound ones, e.g. GPRMC."""
+    """Talker and kind of the sound ones, e.g. GPRMC; of a raw source its messages' names."""
     has_fix: bool = False
+    """A valid fix is among it, of a raw source an epoch of measurements."""
 
 
 class Listening:
-    """The sentences of a receiver so far."""
+    """The sentences or UBX messages of a receiver so far."""
 
     def __init__(self) -> None:
         self.lines: list[Sentence] = []
+        self.messages: list[UbxBytes] = []
         self.first_s: float | None = None
 
     def put(self, message: msgspec.Struct) -> None:
-        """Take a sentence, if it is one: a wrong rate makes noise."""
+        """Take a UBX message, or a sentence, if it is one: a wrong rate makes noise."""
         if isinstance(message, Sentence) and is_sound(message.text):
-            self.first_s = self.first_s or time.monotonic()
             self.lines.append(message)
+        elif isinstance(message, UbxBytes):
+            self.messages.append(message)
+        else:
+            return
+        self.first_s = self.first_s or time.monotonic()
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """What was heard, each kind once."""
+        names = {UBX_NAMES.get(each.message[2:4], OTHER_UBX) for each in self.messages}
+        return (*kinds_of(self.lines), *sorted(names))
 
 
-def listen(receiver: LiveNmea) -> Hearing:
+def listen(receiver: LiveNmea | LiveRaw) -> Hearing:
     """What a serial line says within seconds; one that another program has open is left alone."""
     device = receiver.url.removeprefix("serial://").partition("?")[0]
     if holder := holder_of(device):
         return Hearing(f"in use by {holder}")
-    feed, heard, stop = Receiver("doctor", receiver), Listening(), threading.Event()
+    speech = ubx_speech(Counter()) if isinstance(receiver, LiveRaw) else NMEA
+    feed, heard, stop = Receiver("doctor", receiver, speech), Listening(), threading.Event()
     reader = threading.Thread(target=feed.run, args=(heard.put, stop))
     reader.start()
     try:
@@ -67,10 +84,11 @@ def listen(receiver: LiveNmea) -> Hearing:
     finally:
         stop.set()
         reader.join()
-    if not heard.lines:
+    if heard.first_s is None:
         problem = condition.link_error or condition.problem or "sends nothing readable"
         return Hearing(problem, condition.note)
-    return Hearing(None, condition.note, kinds_of(heard.lines), fix_in(heard.lines))
+    has_fix = UBX_NAMES[RAWX] in heard.kinds or fix_in(heard.lines)
+    return Hearing(None, condition.note, heard.kinds, has_fix)
 
 
 def await_enough(feed: Receiver, heard: Listening) -> None:

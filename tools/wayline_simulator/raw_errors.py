@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
 from wayline_simulator.course import Surroundings
@@ -72,7 +73,7 @@ def raw_errors(
 
 def _echoes_m(
     fixes: Fixes, truth: Truth, model: RawModel, random: np.random.Generator
-) -> tuple[Floats, np.ndarray]:
+) -> tuple[Floats, NDArray[np.bool_]]:
     """The detours by way of the wall that is there, and whether a signal takes one.
 
     A facade sends a satellite's signal by one way as long as the vehicle is before it, so that who

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wayline.messages import RawSatellite
 from wayline.satellites.earth import SPEED_OF_LIGHT_MPS, Vector, turned
@@ -53,6 +54,8 @@ def rough_place_m(satellites: Sequence[Ranged]) -> Vector | None:
     for _ in range(ROUNDS):
         rays_m = np.array([_seen_m(each, solved) for each in satellites]) - solved[:3]
         ranges_m = np.linalg.norm(rays_m, axis=1)
+        if not ranges_m.all():
+            return None
         misfits_m = told_m - ranges_m - clocks @ solved[3:]
         design = np.hstack((-rays_m / ranges_m[:, np.newaxis], clocks))
         step, _, rank, _ = np.linalg.lstsq(design, misfits_m, rcond=None)
@@ -66,7 +69,7 @@ def rough_place_m(satellites: Sequence[Ranged]) -> Vector | None:
     return None
 
 
-def _seen_m(satellite: Ranged, solved: np.ndarray) -> Vector:
+def _seen_m(satellite: Ranged, solved: NDArray[np.float64]) -> Vector:
     """A satellite's place in the frame of the reception."""
     flight_m = float(np.linalg.norm(np.array(satellite.place_m) - solved[:3]))
     return turned(satellite.place_m, flight_m / SPEED_OF_LIGHT_MPS)

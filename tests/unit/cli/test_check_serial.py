@@ -9,7 +9,8 @@ import pytest
 import serial
 
 from outlets import Plug, Talker
-from wayline.live_sources import LiveNmea
+from wayline.live_sources import LiveNmea, LiveRaw
+from wayline_bench.made_up_ubx import Signal, rawx, ubx
 from wayline_cli.check import Check, Mark
 from wayline_cli.check_serial import check_receivers
 from wayline_cli.listen_serial import Hearing, listen
@@ -114,3 +115,27 @@ def test_a_receiver_that_no_table_names_is_shown_with_the_url_to_give(tmp_path: 
     assert 'url = "serial:///dev/ttyACM1"' in other.mend
     _, silent = check(Hearing("silent"), ("/dev/ttyUSB0", "/dev/ttyACM1"))
     assert silent.mark is Mark.FINE
+
+
+@pytest.mark.parametrize(("state", "mark"), [(True, Mark.FINE), (False, Mark.WRONG)])
+def test_a_raw_source_is_heard_by_its_messages(
+    plug: Plug, monkeypatch: pytest.MonkeyPatch, state: bool, mark: Mark
+) -> None:
+    """Its rate is found as a receiver's of sentences; what it lacks is named."""
+    monkeypatch.setattr("wayline_cli.listen_serial.holder_of", lambda _: None)
+    message = rawx(2400, 1.0, [Signal(3, 2.2e7)]) if state else ubx(0x01, 0x07, bytes(92))
+    raw = LiveRaw(url=f"serial://{plug.device}")
+    stop = threading.Event()
+
+    def speak() -> None:
+        while not stop.wait(0.2):
+            plug.write(message)
+
+    speaking = threading.Thread(target=speak)
+    speaking.start()
+    (found,) = check_receivers([raw], listen, list)
+    stop.set()
+    speaking.join()
+    kinds = "RXM-RAWX" if state else "other UBX, no RXM-RAWX"
+    assert (found.mark, found.finding) == (mark, f"9600 baud: {kinds}")
+    assert state or "RXM-SFRBX" in found.mend

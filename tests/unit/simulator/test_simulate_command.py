@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from wayline.drive_file import load_drive
+
 COMMAND = [sys.executable, "-m", "wayline_cli", "simulate", "--road", "urban", "--length-m", "1500"]
 WAIT_S = 60.0
 
@@ -86,3 +88,9 @@ def test_a_network_leaves_a_folder_with_files_alone(full: Path) -> None:
     status, said = network(full)
     assert status == 2
     assert "has files already" in said
+
+
+def test_raw_is_asked_for_by_name(tmp_path: Path) -> None:
+    assert simulated(tmp_path / "drive", "--raw") == (0, "")
+    assert (tmp_path / "drive" / "raw.csv").stat().st_size > 10_000
+    assert load_drive(tmp_path / "drive").raw[0].corrected == ("atmosphere", "satellite_clock")

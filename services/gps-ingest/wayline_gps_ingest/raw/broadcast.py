@@ -1,11 +1,12 @@
 """What satellites broadcast of themselves, and what follows from it, by RTKLIB (pyrtklib5).
 
-The only module that imports the library: it is loaded where measurements come without the places of
-their satellites, or with the air's delay in them, and nowhere else.
+With `rinex` the only module that imports the library: both are loaded where measurements come
+without the places of their satellites, or with the air's delay in them, and nowhere else.
 """
 
+import weakref
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import pyrtklib5 as rtklib
@@ -36,6 +37,8 @@ HUMIDITY = 0.7
 """RTKLIB's own, for the troposphere."""
 SATELLITES_MAX = 255
 """As many as an RXM-RAWX can tell of."""
+ALL_KINDS = 0xFF
+"""Of ephemerides."""
 PRN = rtklib.Arr1Dint(1)
 """Where RTKLIB writes a satellite's own number."""
 EPHEMERIS = 2
@@ -45,7 +48,8 @@ EPHEMERIS = 2
 class Asked:
     """Lists that RTKLIB reads and fills.
 
-    Made once: the binding never gives back what a list, or a look into a struct, has taken.
+    Made once a process, which one thread at a time may use: the binding never gives back what a
+    list, or a look into a struct, has taken.
     """
 
     def __init__(self) -> None:
@@ -58,6 +62,13 @@ class Asked:
         """Offsets and drifts."""
         self.variances = rtklib.Arr1Ddouble(SATELLITES_MAX)
         self.health = rtklib.Arr1Dint(SATELLITES_MAX)
+        self.place, self.direction = rtklib.Arr1Ddouble(3), rtklib.Arr1Ddouble(2)
+        """Of a receiver, and of a satellite seen from there; in radians and metres."""
+
+
+@cache
+def _lists() -> Asked:
+    return Asked()
 
 
 class Broadcast:
@@ -70,17 +81,22 @@ class Broadcast:
     def __init__(self) -> None:
         self._raw = rtklib.raw_t()
         rtklib.init_raw(self._raw, rtklib.STRFMT_UBX)
+        weakref.finalize(self, rtklib.free_raw, self._raw)
         self._nav = self._raw.nav
+        self._of_files = False
         self._ionosphere = self._nav.ion_gps
-        self._asked = Asked()
-        self._place, self._direction = rtklib.Arr1Ddouble(3), rtklib.Arr1Ddouble(2)
+        self._asked = _lists()
         self._group_delays_s: dict[int, float] = {}
         self._known: set[int] = set()
 
     def read(self, path: Path) -> None:
-        """Take a RINEX navigation file, beside those read before. Raises InputError."""
-        if self._nav is self._raw.nav:
-            self._nav = rtklib.nav_t()
+        """Take a RINEX navigation file, beside those read before, in place of what was heard.
+
+        Raises InputError for a file that holds no ephemeris.
+        """
+        if not self._of_files:
+            self._of_files, self._nav = True, rtklib.nav_t()
+            weakref.finalize(self, rtklib.freenav, self._nav, ALL_KINDS)
             self._ionosphere = self._nav.ion_gps
         before = self._nav.n + self._nav.ng
         with plain_copy(path) as plain:
@@ -157,7 +173,7 @@ class Broadcast:
 
     def delay_m(self, path: SignalPath) -> float:
         """By how much the air makes a pseudorange too long (Klobuchar, Saastamoinen)."""
-        time, place, direction = _time(path.t_ns), self._place, self._direction
+        time, place, direction = _time(path.t_ns), self._asked.place, self._asked.direction
         place[0], place[1] = path.lat_deg * rtklib.D2R, path.lon_deg * rtklib.D2R
         place[2] = path.height_m
         direction[0], direction[1] = path.azimuth_deg * rtklib.D2R, path.elevation_deg * rtklib.D2R

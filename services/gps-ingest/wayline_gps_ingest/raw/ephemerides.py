@@ -6,8 +6,9 @@ from typing import NamedTuple, Protocol
 
 import msgspec
 
-from wayline.messages import RawSatellite
+from wayline.messages import QUANTITY_MAX, RawSatellite
 from wayline.satellites.earth import Vector
+from wayline_gps_ingest.raw.measured import DISTANCE_MAX_M, DISTANCE_MIN_M, MOTION_MAX_MPS
 
 PSEUDORANGE_MIN_M, PSEUDORANGE_MAX_M = 1.0e6, 1.0e8
 """Others tell nothing of when a signal left: a receiver's clock that was never set."""
@@ -31,6 +32,16 @@ class State(NamedTuple):
     """To be added to the pseudorange; the group delay of its first signal is in it."""
     clock_drift_mps: float
     is_healthy: bool
+
+    @property
+    def can_be(self) -> bool:
+        """Whether a satellite can be there; damaged ephemerides put it anywhere, or nowhere."""
+        return (
+            DISTANCE_MIN_M <= self.place_m.length <= DISTANCE_MAX_M
+            and self.motion_mps.length <= MOTION_MAX_MPS
+            and abs(self.clock_bias_m) <= QUANTITY_MAX
+            and abs(self.clock_drift_mps) <= QUANTITY_MAX
+        )
 
 
 class Ephemerides(Protocol):
@@ -57,7 +68,7 @@ class Placing:
         """Satellites of all epochs that have a place."""
         self.without: Counter[str] = Counter()
         """Satellites of all epochs that have none, by reason: `without ephemeris`, `ephemeris too
-        old`, `without pseudorange`, and `unhealthy`, which are not to be used."""
+        old`, `ephemeris damaged`, `without pseudorange`, and `unhealthy`: not to be used."""
 
     def satellites(self, t_ns: int, measured: Sequence[RawSatellite]) -> tuple[RawSatellite, ...]:
         """The satellites measured at a time (Unix ns), with all that is known of them."""
@@ -94,4 +105,6 @@ class Placing:
         if state is None:
             is_known = self._ephemerides.is_known(wanted.system, wanted.prn)
             return "ephemeris too old" if is_known else "without ephemeris"
+        if not state.can_be:
+            return "ephemeris damaged"
         return None if state.is_healthy else "unhealthy"

@@ -21,8 +21,8 @@ class RawReceiver(Receiver):
     def __init__(self, name: str, source: LiveRaw) -> None:
         torn: Counter[str] = Counter()
         super().__init__(name, source, ubx_speech(torn))
-        ephemerides = library.broadcast(source.nav, source.url)
-        heard = None if source.nav else ephemerides
+        ephemerides = library.broadcast(source.navs, source.url)
+        heard = None if source.navs else ephemerides
         epochs = RawIngestCore(air=ephemerides, clock_from_ns=EARLIEST_NS)
         core = library.ubx_core(Placing(ephemerides), heard, epochs)
         self.node = Node(name, core)

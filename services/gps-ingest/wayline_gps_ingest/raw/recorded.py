@@ -6,6 +6,7 @@ from typing import Protocol
 
 from wayline.drive import RawColumns, RawSource
 from wayline.errors import InputError
+from wayline.messages import Message
 from wayline.received import Account, Recording, translated
 from wayline_gps_ingest.raw import library
 from wayline_gps_ingest.raw.core import RawIngestCore
@@ -60,30 +61,45 @@ def _table(source: RawSource, columns: RawColumns, name: str) -> Recording:
 def _recording(
     log: RawLog, core: RawIngestCore, name: str, placing: Placing | None, source: RawSource
 ) -> Recording:
+    warnings = list(_clockless(source))
+
+    def messages() -> Iterator[tuple[int, Message]]:
+        yield from translated(log, core.handle, name, lambda _, epoch: epoch.t_ns)
+        warnings.extend(_placeless(source, placing))
+        warnings.extend(_unsorted(source, log.faults))
+
     def account() -> Account:
-        left_out = {} if placing is None else dict(placing.without)
-        return Account(left_out, _warnings(source, placing))
+        return Account({} if placing is None else dict(placing.without), tuple(warnings))
 
     return Recording(
         name,
-        translated(log, core.handle, name, lambda _, epoch: epoch.t_ns),
+        messages(),
         lambda: core.bad_input + sum(log.faults.values()),
         account,
         log.nothing,
     )
 
 
-def _warnings(source: RawSource, placing: Placing | None) -> tuple[str, ...]:
-    """What leaves measurements without use."""
+def _clockless(source: RawSource) -> Iterator[str]:
+    """Where nothing tells a table's satellites' clocks, which are off by up to 300 km."""
     columns = source.columns
-    if placing is not None:
-        if placing.placed or not placing.without:
-            return ()
+    if columns is None or source.navs:
+        return
+    if "satellite_clock" not in source.corrected and columns.clock_bias_m is None:
+        mend = 'name "satellite_clock" in corrected, the column of clock_bias_m, or nav = [...]'
+        yield f"{source.path}: nothing tells the satellites' clocks; {mend}"
+
+
+def _placeless(source: RawSource, placing: Placing | None) -> Iterator[str]:
+    """Where no satellite of a whole log got a place."""
+    if placing is not None and placing.without and not placing.placed:
         reason = placing.without.most_common(1)[0][0]
         mend = "give nav = [...] of its day, or record RXM-SFRBX from its start"
-        return (f"{source.path}: no satellite has a place ({reason}); {mend}",)
-    # a satellite's clock is off by up to 300 km
-    if columns is None or "satellite_clock" in source.corrected or columns.clock_bias_m is not None:
-        return ()
-    mend = 'name "satellite_clock" in corrected, the column of clock_bias_m, or nav = [...]'
-    return (f"{source.path}: nothing tells the satellites' clocks; {mend}",)
+        yield f"{source.path}: no satellite has a place ({reason}); {mend}"
+
+
+def _unsorted(source: RawSource, faults: Mapping[str, int]) -> Iterator[str]:
+    """Where rows were lost by their order, as those of a table sorted by satellite are."""
+    if late := faults.get("late"):
+        what = f"{late:,} rows come over 2 s after later ones and are left out"
+        yield f"{source.path}: {what}; sort it by time"

@@ -9,11 +9,9 @@ from wayline.messages import EARLIEST_NS, LATEST_NS
 from wayline.satellites.gps_time import unix_ns
 from wayline_gps_ingest.raw.ephemerides import Placing
 from wayline_gps_ingest.raw.epoch import RawEpoch
-from wayline_gps_ingest.raw.ubx_frames import UbxSplitter
+from wayline_gps_ingest.raw.ubx_frames import RAWX, SFRBX, UbxSplitter
 from wayline_gps_ingest.raw.ubx_rawx import Weeks, read_rawx
 
-RAWX, SFRBX = b"\x02\x15", b"\x02\x13"
-"""Class and id: measurements, and words of satellites' navigation messages."""
 TOW_MAX_S = 604_801.0
 """A receiver may count its week up a little late."""
 UNTIMED_MAX = 256

@@ -6,6 +6,8 @@ import msgspec
 import numpy as np
 
 SYNC = b"\xb5\x62"
+RAWX, SFRBX = b"\x02\x15", b"\x02\x13"
+"""Class and id: measurements, and words of satellites' navigation messages."""
 HEAD_BYTES, TAIL_BYTES = 6, 2
 """Sync, class, id and length before the payload; the checksum behind it."""
 PAYLOAD_MAX_BYTES = 8_192

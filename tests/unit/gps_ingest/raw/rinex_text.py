@@ -47,7 +47,7 @@ def _ephemeris(orbit: Orbit) -> str:
         [of["toe_s"], 0.0, of["omega0"], 0.0],
         [of["i0"], 0.0, of["omega"], of["omega_dot"]],
         [0.0, 0.0, float(orbit.week), 0.0],
-        [2.0, of["health"], 0.0, of["iodc_low"]],
+        [2.0, of["health"], of["tgd_s"], of["iodc_low"]],
         [of["toe_s"] - 7200.0, 4.0, 0.0, 0.0],
     ]
     first = f"G{orbit.prn:02d} 2026 01 08 02 00 00" + _numbers([of["f0_s"], of["f1"], 0.0])

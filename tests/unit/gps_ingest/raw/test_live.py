@@ -5,18 +5,23 @@ import socketserver
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import msgspec
 import pytest
+import zenoh
 
+from loops import WAIT_S, Run
 from wayline.errors import InputError
 from wayline.live_sources import LiveRaw
 from wayline.messages import GpsRaw
-from wayline.settings import load_settings
+from wayline.satellites.gps_time import week_and_tow_s
+from wayline.settings import Settings, load_settings
 from wayline_bench.made_up_sky import START_S, epoch, navigation, sky
+from wayline_cli.listener import Listener
 from wayline_gps_ingest.__main__ import live
 from wayline_gps_ingest.raw.live import RawReceiver
 
@@ -91,6 +96,30 @@ def test_damaged_messages_are_counted_in_its_condition() -> None:
     assert "1 checksum" in receiver.detail
 
 
+def test_a_receivers_bytes_come_onto_the_bus(run: Run, session: zenoh.Session) -> None:
+    """From its port to the vehicle's key: the time is now, so that nobody refuses it."""
+    week, tow_s = week_and_tow_s(time.time_ns())
+    tow_s = max(tow_s, 2.0)
+    satellites = sky(tow_s, week, toe_s=tow_s // 16 * 16)
+    heard_s = [tow_s - 2.0, tow_s - 1.0]
+    data = navigation(satellites) + b"".join(epoch(satellites, at, week=week) for at in heard_s)
+    with receiver_sending([data]) as port:
+        raw = LiveRaw(url=f"tcp://127.0.0.1:{port}")
+        settings = Settings(vehicle_id="bus-1", raw=(raw,))
+        with closing(Listener(session, "bus-1", ["gps_raw"])) as ear:
+            running = run(live(settings), settings)
+            ear.await_message("gps_raw", timeout_s=WAIT_S)
+            health = running.await_health(
+                lambda health: "last fix never" not in (health.detail or "")
+            )
+            told = ear.heard("gps_raw")
+    assert all(each.source == "gps-ingest" for each in told)
+    message = told[-1].message
+    assert isinstance(message, GpsRaw)
+    assert sum(each.x_m is not None for each in message.satellites) == len(satellites) > 3
+    assert health.bad_input == 0
+
+
 def configured(folder: Path, text: str) -> Path:
     path = folder / "wayline.toml"
     path.write_text(f'vehicle_id = "bus-1"\n{text}')
@@ -108,6 +137,14 @@ def test_the_service_has_a_source_for_each_receiver(tmp_path: Path) -> None:
     assert [feed.name for feed in live(settings).feeds] == ["gps-ingest", "gps-ingest-2"]
 
 
+def test_navigation_files_are_beside_the_configuration(tmp_path: Path) -> None:
+    text = '[[raw]]\nurl = "udp://:2000"\nformat = "ubx"\nnav = "brdc.nav"\n'
+    settings = load_settings(configured(tmp_path, text), {})
+    assert settings.raw[0].navs == (str(tmp_path / "brdc.nav"),)
+    with pytest.raises(InputError, match=r"brdc\.nav"):
+        live(settings)
+
+
 def test_gpsd_tells_no_raw_measurements(tmp_path: Path) -> None:
     path = configured(tmp_path, '[[raw]]\nurl = "gpsd://localhost"\n')
     with pytest.raises(InputError, match=r"raw\[0\].url"):
@@ -120,6 +157,7 @@ sys.modules["pyrtklib5"] = sys.modules["pyubx2"] = None
 from pathlib import Path
 from wayline.errors import InputError
 from wayline.drive_file import load_drive
+from wayline_cli.listener import Listener
 from wayline_gps_ingest.__main__ import live
 from wayline_gps_ingest.recorded import recordings
 drive = load_drive(Path(sys.argv[1]))

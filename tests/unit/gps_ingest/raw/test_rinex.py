@@ -67,6 +67,15 @@ def test_an_observation_and_a_navigation_file_make_placed_satellites(files: RawS
         assert 0.0 < measured.pseudorange_m - (each.pseudorange_m or 0.0) < 40.0
 
 
+def test_several_navigation_files_are_one(files: RawSource, tmp_path: Path) -> None:
+    satellites = sky(TOE_S + 300.0)
+    parts = {"one.nav": satellites[:3], "other.nav": satellites[3:]}
+    for name, part in parts.items():
+        (tmp_path / name).write_text(navigation_file(each.orbit for each in part))
+    raw = RawSource(path=files.path, nav=tuple(str(tmp_path / name) for name in parts))
+    assert messages(opened(raw)) == messages(opened(files))
+
+
 def test_glonass_has_the_channel_of_the_header(tmp_path: Path) -> None:
     fields = [("R05", Signal(5, 2.1e7, -100.0))]
     (tmp_path / "raw.obs").write_text(observations([(0, 0.0, fields)]))
@@ -109,6 +118,20 @@ def test_ephemerides_of_another_day_are_warned_of(files: RawSource, tmp_path: Pa
     assert all(each.x_m is None for told in messages(recording) for each in told.satellites)
     (warning,) = recording.account().warnings
     assert "ephemeris too old" in warning
+
+
+@pytest.mark.parametrize("eccentricity", ["1.500000000000E+00", "             NaN "])
+def test_an_ephemeris_that_puts_a_satellite_nowhere_is_counted(
+    files: RawSource, eccentricity: str
+) -> None:
+    """A damaged digit is enough; the other satellites go on."""
+    nav = Path(files.navs[0])
+    of = sky(TOE_S + 300.0)[0].orbit.numbers["e"]
+    nav.write_text(nav.read_text().replace(f"{of:19.12E}", f"{eccentricity:>19}"))
+    recording = opened(files)
+    told = messages(recording)
+    assert [sum(each.x_m is None for each in epoch.satellites) for epoch in told] == [1] * 20
+    assert set(recording.account().left_out) & {"ephemeris damaged", "without ephemeris"}
 
 
 def test_a_file_that_is_cut_is_read_up_to_there(files: RawSource) -> None:

@@ -191,6 +191,16 @@ def test_a_table_of_which_nothing_is_read_says_why(tmp_path: Path) -> None:
     assert "none of its 3 rows measures a satellite (3 empty)" in str(recording.nothing())
 
 
+def test_a_table_sorted_by_satellite_says_how_to_sort_it(tmp_path: Path) -> None:
+    rows = [f"{1400000000 + n},,G{prn},2e7,5,{PLACE},49,\n" for prn in (5, 7) for n in range(20)]
+    raw = source(tmp_path, HEADER + "".join(rows))
+    told = RawSource(path=raw.path, columns=COLUMNS, corrected=("satellite_clock", "atmosphere"))
+    (recording,) = recordings(drive_of(told), "drive.toml")
+    assert len(list(recording.messages)) == 20
+    (warning,) = recording.account().warnings
+    assert "rows come over 2 s after later ones and are left out; sort it by time" in warning
+
+
 def test_satellites_clocks_that_nobody_tells_are_warned_of(tmp_path: Path) -> None:
     raw = source(tmp_path, HEADER + f"1400000000,gps,12,2e7,5,{PLACE},49,\n")
     (recording,) = recordings(drive_of(raw), "drive.toml")

@@ -12,7 +12,7 @@ import pytest
 from wayline.drive import Drive, DriveInfo, RawSource
 from wayline.errors import InputError
 from wayline.messages import GpsRaw, RawSatellite
-from wayline.received import Recording
+from wayline.received import Recording, begun
 from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
 from wayline.satellites.gps_time import WEEK_S, unix_ns
 from wayline.satellites.place import ranged, rough_place_m
@@ -84,8 +84,9 @@ def test_satellites_are_where_their_ephemerides_put_them(tmp_path: Path) -> None
             seen.orbit.place_m(sent_s), abs=0.002
         )
         assert told.clock_bias_m == pytest.approx(
-            seen.orbit.clock_s(sent_s) * SPEED_OF_LIGHT_MPS, abs=0.001
+            seen.orbit.lead_s(sent_s) * SPEED_OF_LIGHT_MPS, abs=0.001
         )
+        assert told.doppler_hz == pytest.approx(measured.doppler_hz, abs=0.01)
         ahead, behind = (seen.orbit.place_m(sent_s + each) for each in (0.5, -0.5))
         motion = tuple(a - b for a, b in zip(ahead, behind, strict=True))
         assert (told.vx_mps, told.vy_mps, told.vz_mps) == pytest.approx(motion, abs=0.001)
@@ -217,6 +218,18 @@ def test_a_log_that_begins_without_navigation_messages_says_so(tmp_path: Path) -
     (warning,) = out.recording.account().warnings
     assert "no satellite has a place (without ephemeris)" in warning
     assert "RXM-SFRBX" in warning
+
+
+def test_who_plays_a_log_is_not_warned_before_its_satellites_can_have_been_heard(
+    tmp_path: Path,
+) -> None:
+    """A player looks at the beginning first; navigation messages come within half a minute."""
+    satellites = sky()
+    epochs = [epoch(satellites, START_S + n) for n in range(30)]
+    (tmp_path / "raw.ubx").write_bytes(b"".join(epochs[:15]) + navigation(satellites))
+    raw = RawSource(path=str(tmp_path / "raw.ubx"))
+    drive = Drive(drive=DriveInfo(vehicle_id="car"), raw=(raw,))
+    assert begun(recordings(drive, "drive.toml")).warnings == []
 
 
 def test_the_weeks_end_goes_over_into_the_next(tmp_path: Path) -> None:
