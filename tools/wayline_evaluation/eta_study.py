@@ -17,7 +17,7 @@ from wayline.route_file import load_route
 from wayline.timetable.reading import read_timetable
 from wayline_eta.replayed import node
 from wayline_evaluation.eta import EtaReport, EtaRun, lap_score, predictions_of, report_of
-from wayline_evaluation.eta_trials import CAME, errors_of, trials_of
+from wayline_evaluation.eta_trials import CAME, errors_of, trials_from, trials_of
 from wayline_evaluation.eta_yardstick import Ask, asked, other_laps, told_streets
 from wayline_evaluation.reference import Reference
 from wayline_evaluation.replays import (
@@ -89,10 +89,7 @@ def _run(job: Job) -> EtaRun:
 def _scored(job: Job, out: Path) -> EtaRun:
     name, from_lap = drive_name(job.folder), job.followed.from_lap
     events, way = _true_way(job, out)
-    trials = trials_of(name, events)[from_lap - 1 :]
-    if not trials and from_lap > 1:
-        mend = "give an earlier lap, or name a longer drive"
-        raise InputError("--from-lap", f"{name} has no lap or trip {from_lap}", mend)
+    trials = trials_from(from_lap, trials_of(name, events), name)
     from_ns = trials[0].before[0].t_ns if from_lap > 1 else 0
     told = _since(from_ns, read_topic(out, Arrivals))
     came = _since(from_ns, events)

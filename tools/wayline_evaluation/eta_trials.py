@@ -12,6 +12,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
+from wayline.errors import InputError
 from wayline.messages import Arrivals, StopEvent
 
 CAME = ("arrived", "passed")
@@ -86,6 +87,14 @@ def trials_of(drive: str, events: Iterable[StopEvent]) -> list[Trial]:
         for trial in (_laps(drive, way) if trip_id is None else _trips(drive, way))
     ]
     return sorted(found, key=lambda trial: trial.end.t_ns)
+
+
+def trials_from(lap: int, trials: Sequence[Trial], drive: str) -> Sequence[Trial]:
+    """Without those before the first, second, ... lap or trip. Raises InputError for none left."""
+    if lap > max(len(trials), 1):
+        mend = "give an earlier lap, or name a longer drive"
+        raise InputError("--from-lap", f"{drive} has {len(trials)} laps or trips", mend)
+    return trials[lap - 1 :]
 
 
 def _laps(drive: str, way: Sequence[StopEvent]) -> Iterable[Trial]:

@@ -120,20 +120,23 @@ def predict_visits(
     earlier_s, later_s = _widths_s(ahead, outlook.stand)
     is_learned = np.logical_and.accumulate(by.is_driven[order])
     span = ENDS_MIN.searchsorted(ahead.arrivals_s / 60.0, side="right") + SPANS * is_learned
-    told_s = np.array(
+    seconds = np.array(
         (
             ahead.arrivals_s,
             ahead.arrivals_s - by.early_scales[span] * earlier_s,
             ahead.arrivals_s + by.late_scales[span] * later_s,
             ahead.departures_s,
+            earlier_s,
+            later_s,
         )
     )
+    after_ns = np.floor(seconds * 1e9).astype(np.int64)
     rows = zip(
         order.tolist(),
         np.maximum(visits_m - outlook.total_m, 0.0).tolist(),
         is_learned.tolist(),
-        *_instants_ns(outlook, now_ns, told_s).tolist(),
-        *(np.array((earlier_s, later_s)) * 1e9).astype(np.int64).tolist(),
+        *np.maximum(after_ns[:-2] + outlook.t_ns, now_ns).tolist(),
+        *after_ns[-2:].tolist(),
         strict=True,
     )
     visits = list(itertools.starmap(Visit, rows))
@@ -275,9 +278,3 @@ def _place_s(route: Route, outlook: Outlook) -> float:
     """What a place along the route is unsure by, in time."""
     within_m = outlook.total_m % route.length_m if route.loop else outlook.total_m
     return outlook.distance_std_m / max(route.speed_at(within_m), 1.0)
-
-
-def _instants_ns(outlook: Outlook, now_ns: int, seconds: Floats) -> NDArray[np.int64]:
-    """Instants so many seconds after an outlook's; not before now."""
-    after_ns = np.floor(seconds * 1e9).astype(np.int64)
-    return np.asarray(np.maximum(outlook.t_ns + after_ns, now_ns))

@@ -32,7 +32,7 @@ class PlaceTracker:
 
     def __init__(self, route: Route) -> None:
         self._network = RouteNetwork(route)
-        self._matcher = Matcher(self._network)
+        self._matcher = Matcher(self._network, advances=self._network.advances_m)
         self._last: Pose | None = None
 
     @property

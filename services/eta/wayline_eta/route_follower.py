@@ -53,8 +53,8 @@ class RouteFollower:
         """While the vehicle is followed by its reports, on the route."""
         self._has_turned = False
         """It drives back from the last stop, which it reached between two reports."""
-        self._floor_m = 0.0
-        """What was told before the last report, where that is behind it by no more than noise."""
+        self._told_m = self._waits_at_m = 0.0
+        """What had been told when the last report came, and down to where that is taken back."""
 
     @property
     def on_route(self) -> bool:
@@ -164,7 +164,7 @@ class RouteFollower:
         if silent_s > self._tuning.eta_forget_after_s:
             self._along = None
         before = self._along.at(pose.t_ns) if self._along is not None else None
-        last_m, self._floor_m = self.total_m, self._floor_at(pose.t_ns)
+        last_m, self._told_m = self.total_m, self._floor_at(pose.t_ns)
         if self._pose is not None and pose.t_ns == self._pose.t_ns and self._place is not None:
             place = self._place
         else:
@@ -209,15 +209,20 @@ class RouteFollower:
         return along
 
     def _hold(self, before: Along | None, last_m: float, now: Along) -> None:
-        """Let progress wait for a vehicle that has stood, or was slow, since it was at `last_m`."""
-        floor_m, self._floor_m = self._floor_m, now.total_m
+        """Let progress wait for a vehicle that is behind what was told of it since `last_m`.
+
+        Where it stands it is told to stand.
+        """
+        told_m, self._told_m = self._told_m, now.total_m
         if before is not None and now.total_m >= last_m - WENT_BACK_M:
-            self._floor_m = max(before.total_m, floor_m)
+            self._told_m = max(before.total_m, now.total_m, told_m)
+        noise_m = HOLD_M if now.speed_mps > 0.0 else 0.0
+        self._waits_at_m = min(self._told_m, now.total_m + noise_m)
 
     def _floor_at(self, t_ns: int) -> float:
-        """What was told, as far as it is not taken back yet."""
+        """What had been told, as far as it is not taken back yet."""
         since_s = (t_ns - self._pose.t_ns) * 1e-9 if self._pose is not None else 0.0
-        return self._floor_m - TAKEN_BACK_MPS * since_s
+        return max(self._told_m - TAKEN_BACK_MPS * (since_s + 1.0), self._waits_at_m)
 
     def _held(self, place: Place) -> Place:
         if self._place is None:

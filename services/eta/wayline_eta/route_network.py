@@ -3,10 +3,15 @@
 from collections.abc import Sequence
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wayline.geo import step_between
 from wayline.matching.candidates import locally_nearest
 from wayline.matching.network import Candidate, First, Sight
 from wayline.route import Route
+
+Floats = NDArray[np.float64]
 
 EARLIEST_COST = 0.1
 """Lost by the end of the route against its start, so that a tie is a vehicle that sets out."""
@@ -54,6 +59,17 @@ class RouteNetwork:
             length_m = self._route.length_m
             surplus_m = (surplus_m + length_m / 2.0) % length_m - length_m / 2.0
         return about_m + surplus_m
+
+    def advances_m(
+        self, earlier: Sequence[Candidate], later: Sequence[Candidate], about_m: float
+    ) -> Floats:
+        """`advance_m` to each later place from each earlier one, shape (later, earlier)."""
+        ends_m, begins_m = ([each.along_m for each in places] for places in (later, earlier))
+        surplus_m = np.subtract.outer(ends_m, begins_m) - about_m
+        if self._route.loop:
+            length_m = self._route.length_m
+            surplus_m = (surplus_m + length_m / 2.0) % length_m - length_m / 2.0
+        return np.asarray(about_m + surplus_m)
 
     @cached_property
     def is_circular(self) -> bool:

@@ -7,15 +7,24 @@ says it travelled. So a street that a route passes twice is told apart by motion
 by side by where the vehicle came from, and a wrong first guess is given up when it stops fitting.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from operator import attrgetter
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from wayline.matching.emission import Emission, turn_deg
 from wayline.matching.network import Candidate, Network, Sight
 from wayline.matching.transition import JUMP_COST, Moves
 
 FORGET_COST = 30.0
+MANY_WAYS = 256
+"""From so many on arrays are quicker than a loop."""
+
+Advances = Callable[[Sequence[Candidate], Sequence[Candidate], float], NDArray[np.float64]]
+"""`Network.advance_m` from each of some places to each of others, about as far, all at once:
+shape (to, from)."""
 
 
 class Matched(NamedTuple):
@@ -39,9 +48,15 @@ class _State(NamedTuple):
 class Matcher:
     """Of one vehicle: Viterbi's algorithm, a step a sight."""
 
-    def __init__(self, network: Network, jump_cost: float = JUMP_COST) -> None:
-        """`jump_cost` is the most that a place can lose by moving unlike the vehicle."""
-        self._network, self._jump_cost = network, jump_cost
+    def __init__(
+        self, network: Network, jump_cost: float = JUMP_COST, advances: Advances | None = None
+    ) -> None:
+        """`jump_cost` is the most that a place can lose by moving unlike the vehicle.
+
+        `advances` is of networks that can tell many ways at once, and lead from everywhere to
+        everywhere.
+        """
+        self._network, self._jump_cost, self._advances = network, jump_cost, advances
         self._states: list[_State] = []
         """The likeliest first."""
         self._last: Sight | None = None
@@ -81,9 +96,11 @@ class Matcher:
 
     def _reached(self, candidates: Sequence[Candidate], moves: Moves) -> list[_State]:
         """Each candidate by the likeliest of the ways from where the vehicle was."""
-        if self._states:
-            return [self._by_way(candidate, moves) for candidate in candidates]
-        return self._anew(candidates)
+        if not self._states:
+            return self._anew(candidates)
+        if self._advances and len(self._states) * len(candidates) >= MANY_WAYS:
+            return self._by_many_ways(self._advances, candidates, moves)
+        return [self._by_way(candidate, moves) for candidate in candidates]
 
     def _by_way(self, candidate: Candidate, moves: Moves) -> _State:
         about_m = moves.middle_m
@@ -100,6 +117,22 @@ class Matcher:
             (state,) = self._anew([candidate])
             return state._replace(cost=cost)
         return _State(cost, total_m, candidate)
+
+    def _by_many_ways(
+        self, advances: Advances, candidates: Sequence[Candidate], moves: Moves
+    ) -> list[_State]:
+        """`_by_way` of all: where a line passes a place a hundred times they are ten thousand."""
+        earlier = [state.candidate for state in self._states]
+        before = np.array([state.cost for state in self._states])
+        advances_m = advances(earlier, candidates, moves.middle_m)
+        costs = before + moves.costs(advances_m, self._jump_cost)
+        found = []
+        for row, (at, candidate) in enumerate(
+            zip(costs.argmin(axis=1).tolist(), candidates, strict=True)
+        ):
+            total_m = self._states[at].total_m + float(advances_m[row, at])
+            found.append(_State(float(costs[row, at]), total_m, candidate))
+        return found
 
     def _anew(self, candidates: Sequence[Candidate]) -> list[_State]:
         firsts = self._network.first(candidates)

@@ -5,6 +5,11 @@ Costs are negative logarithms of likelihoods.
 
 from typing import NamedTuple, Self
 
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
 STANDING_M = 1.0
 """Who has come on by less between two sights stands."""
 MOTION_SLACK_M = 5.0
@@ -57,3 +62,15 @@ class Moves(NamedTuple):
             unlike_m = abs(advance_m - self.likely_m)
             cost += self.unlike_cost * unlike_m / (self.slack_m + self.most_m)
         return cost
+
+    def costs(self, advances_m: Floats, jump_cost: float = JUMP_COST) -> Floats:
+        """`cost` of many ways at once, of any shape."""
+        short_m, far_m = self.least_m - advances_m, advances_m - self.most_m
+        misfits = np.maximum(np.maximum(short_m, far_m), 0.0) / self.slack_m
+        if self.unlike_cost > 0.0 or abs(self.likely_m) < STANDING_M:
+            misfits = np.where(misfits < 1.0, misfits * misfits, misfits)
+        costs = misfits / (1.0 + misfits / jump_cost)
+        if self.unlike_cost > 0.0:
+            unlike_m = np.abs(advances_m - self.likely_m)
+            costs = costs + self.unlike_cost * unlike_m / (self.slack_m + self.most_m)
+        return np.asarray(costs)

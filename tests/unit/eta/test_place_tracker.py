@@ -13,6 +13,7 @@ from unit.eta.route_drives import (
     poses,
     route_of,
 )
+from wayline.matching import matcher
 from wayline.messages import Pose
 from wayline_eta.place_tracker import Place, PlaceTracker, position_std_m, travelled_between_m
 
@@ -193,3 +194,26 @@ def test_a_vehicle_first_seen_just_before_the_end_of_a_loop_is_there() -> None:
     """Twenty metres before it begins its next lap."""
     [(pose, _)] = poses(SQUARE, [10.0], start_m=1980.0)
     assert observe(PlaceTracker(route_of(SQUARE)), pose).total_m == pytest.approx(1980.0, abs=0.5)
+
+
+COIL: list[Metres] = [(0, 0), (0, 500), (500, 500), (500, 0)] * 20
+
+
+@pytest.mark.parametrize("ending", [[(0, 0)], [(300, 0), (300, 900)]], ids=["loop", "open"])
+@pytest.mark.parametrize("expected_m", [None, 12.0], ids=["poses", "reports"])
+def test_a_street_that_is_passed_twenty_times_is_weighed_as_one_that_is_passed_twice(
+    monkeypatch: pytest.MonkeyPatch, ending: list[Metres], expected_m: float | None
+) -> None:
+    """All ways from passage to passage at once or one by one: the same to the last bit."""
+    drive = poses(COIL, [10.0] * 40 + [0.0] * 10, noise_m=5.0, start_m=15_000.0)
+
+    def tracked() -> list[Place]:
+        tracker = PlaceTracker(route_of([*COIL, *ending]))
+        return [
+            tracker.observe(pose, pose.lat_deg or 0.0, pose.lon_deg or 0.0, expected_m)
+            for pose, _ in drive
+        ]
+
+    at_once = tracked()
+    monkeypatch.setattr(matcher, "MANY_WAYS", 1_000_000)
+    assert tracked() == at_once

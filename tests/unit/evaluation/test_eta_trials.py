@@ -7,9 +7,17 @@ from pathlib import Path
 import pytest
 
 from unit.eta.route_drives import SECOND_NS, START_NS
+from wayline.errors import InputError
 from wayline.messages import Arrivals, StopArrival, StopEvent, StopEventKind
 from wayline_evaluation.eta import EtaRun, lap_score, report_of
-from wayline_evaluation.eta_trials import TrialErrors, by_stop, errors_of, statistics, trials_of
+from wayline_evaluation.eta_trials import (
+    TrialErrors,
+    by_stop,
+    errors_of,
+    statistics,
+    trials_from,
+    trials_of,
+)
 
 
 def instant(seconds: float) -> int:
@@ -51,6 +59,14 @@ def test_a_lap_goes_from_the_first_stop_to_it_again() -> None:
     assert errors.errors_s == pytest.approx((10.0, -15.0))
     assert errors.mean_s == pytest.approx(-2.5)
     assert errors.std_s == pytest.approx(17.68, abs=0.01)
+
+
+def test_laps_before_the_one_that_is_asked_for_are_left_out() -> None:
+    trials = trials_of("d", [came(at_s, 1) for at_s in (0, 100, 200, 300)])
+    assert [trial.name for trial in trials_from(2, trials, "d")] == ["d 2", "d 3"]
+    assert trials_from(1, [], "d") == []
+    with pytest.raises(InputError, match="d has 3 laps or trips"):
+        trials_from(4, trials, "d")
 
 
 def test_a_stop_that_eta_has_not_seen_reached_is_not_the_destination_yet() -> None:

@@ -1,9 +1,12 @@
 """Who knows more than eta: all other laps of a loop, or the streets of a simulated network."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from wayline.messages import Progress, StopEvent
+from wayline_evaluation.eta_yardstick import other_laps, told_streets
 from wayline_evaluation.other_laps import OtherLaps
 from wayline_evaluation.told_streets import ToldStreets
 from wayline_simulator.network.model import NetworkModel
@@ -69,6 +72,16 @@ def test_other_laps_count_how_long_it_has_stood() -> None:
     begun_s = START_S + LAPS_S[0]
     told_s = OtherLaps(*loop()).arrivals_s("A", begun_s + 55.0) - (begun_s + 55.0)
     assert sorted(told_s.tolist()) == pytest.approx([50.0, 100.0], abs=2.5)
+
+
+def test_some_drives_have_no_yardstick(tmp_path: Path) -> None:
+    """A recorded one without a truth, or with less than three laps."""
+    progress, events = loop()
+    once = [each for each in progress if each.lap < 2]
+    assert other_laps([], []) is None
+    assert other_laps(once, events) is None
+    assert other_laps(progress, events) is not None
+    assert told_streets(tmp_path) is None
 
 
 def test_who_is_told_the_streets_knows_how_likely_each_arrival_is() -> None:
