@@ -76,6 +76,14 @@ class JsonAnswer(Response):
         return msgspec.json.encode(rounded(content))
 
 
+class RoundedAnswer(JsonAnswer):
+    """What was given the digits that mean something when it was made, for what is asked often."""
+
+    def render(self, content: Any) -> bytes:
+        """Encode the body."""
+        return msgspec.json.encode(content)
+
+
 class SlowAnswer(JsonAnswer):
     """What changes seldom: who has it already asks whether it is still so, by its ETag."""
 

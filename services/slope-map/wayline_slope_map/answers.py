@@ -9,11 +9,11 @@ from typing import Literal
 from urllib.parse import quote
 
 import msgspec
+from msgspec.structs import replace
 
-from wayline.messages import HorizonPoint
 from wayline.rfc3339 import rfc3339
 from wayline_slope_map.matching import Match
-from wayline_slope_map.profile import RoadProfile, lookahead
+from wayline_slope_map.profile import RoadProfile, bins_ahead, steps_m
 from wayline_slope_map.roads import Road
 from wayline_slope_map.sums import BinEstimate
 
@@ -35,6 +35,9 @@ class SlopePoint(msgspec.Struct, frozen=True, kw_only=True):
     """When the last of the runs was driven."""
     flagged_runs: int | msgspec.UnsetType = msgspec.UNSET
     """Of a profile: runs that said something else here and do not count."""
+
+
+UNKNOWN = SlopePoint(distance_m=0.0)
 
 
 class WaySummary(msgspec.Struct, frozen=True, kw_only=True):
@@ -129,13 +132,16 @@ def _way_summary(direction: int, bins: Mapping[int, BinEstimate], road: Road) ->
 
 def profile_answer(profile: RoadProfile, way: Way, distances_m: Sequence[float]) -> ProfileAnswer:
     """What is known at distances along a road's line; a point says what its bin says."""
-    road, bins = profile.road, profile.bins.get(DIRECTIONS[way], {})
+    road, direction = profile.road, DIRECTIONS[way]
+    points = (_point(profile, direction, road.bin_at(at_m)) for at_m in distances_m)
     return ProfileAnswer(
         road_id=road.road_id,
         length_m=road.line.length_m,
         bin_m=road.bin_m,
         direction=way,
-        points=_points((at_m, bins.get(road.bin_at(at_m))) for at_m in distances_m),
+        points=tuple(
+            replace(point, distance_m=at_m) for at_m, point in zip(distances_m, points, strict=True)
+        ),
     )
 
 
@@ -143,38 +149,11 @@ def lookahead_answer(
     profile: RoadProfile, at: Match, *, length_m: float, step_m: float
 ) -> LookaheadAnswer:
     """The road ahead of a place on it, as the core's `lookahead` knows it."""
-    ahead = lookahead(profile, at.along_m, at.direction, length_m=length_m, step_m=step_m)
-    return LookaheadAnswer(
-        road_id=at.road_id,
-        position_m=at.along_m,
-        direction=WAYS[at.direction],
-        points=_points((point.distance_m, point) for point in ahead),
-    )
-
-
-def off_road(distances_m: Iterable[float]) -> LookaheadAnswer:
-    """The answer for a place that is on no known road."""
-    return LookaheadAnswer(
-        road_id=None,
-        position_m=None,
-        direction=None,
-        points=_points((at_m, None) for at_m in distances_m),
-    )
-
-
-def _points(
-    known_at: Iterable[tuple[float, BinEstimate | HorizonPoint | None]],
-) -> tuple[SlopePoint, ...]:
-    """Each distance with what is known there."""
-    # bins that one run was over last share its instant, which takes long to write
-    instants: dict[int | None, str | None] = {None: None}
+    distances_m = steps_m(length_m, step_m)
+    ahead = bins_ahead(profile.road, at.along_m, at.direction, distances_m)
     points = []
-    for distance_m, known in known_at:
-        if known is None:
-            points.append(SlopePoint(distance_m=distance_m))
-            continue
-        if known.updated_ns is not None and known.updated_ns not in instants:
-            instants[known.updated_ns] = rfc3339(known.updated_ns)
+    for distance_m, index in zip(distances_m, ahead, strict=True):
+        known = _point(profile, at.direction, index)
         points.append(
             SlopePoint(
                 distance_m=distance_m,
@@ -182,10 +161,41 @@ def _points(
                 grade_std_pct=known.grade_std_pct,
                 alt_m=known.alt_m,
                 runs=known.runs,
-                updated=instants[known.updated_ns],
-                flagged_runs=known.flagged_runs
-                if isinstance(known, BinEstimate)
-                else msgspec.UNSET,
+                updated=known.updated,
             )
         )
-    return tuple(points)
+    return LookaheadAnswer(
+        road_id=at.road_id,
+        position_m=round(at.along_m, 2),
+        direction=WAYS[at.direction],
+        points=tuple(points),
+    )
+
+
+def off_road(distances_m: Sequence[float]) -> LookaheadAnswer:
+    """The answer for a place that is on no known road."""
+    points = tuple(SlopePoint(distance_m=each) for each in distances_m)
+    return LookaheadAnswer(road_id=None, position_m=None, direction=None, points=points)
+
+
+def _point(profile: RoadProfile, direction: int, index: int) -> SlopePoint:
+    """What is known of a bin, at no distance yet, with the digits that mean something."""
+    written: SlopePoint | None = profile.written.get((direction, index))
+    if written is None:
+        known = profile.bins.get(direction, {}).get(index)
+        if known is None:
+            return UNKNOWN
+        written = profile.written[direction, index] = _written(known)
+    return written
+
+
+def _written(known: BinEstimate) -> SlopePoint:
+    return SlopePoint(
+        distance_m=0.0,
+        grade_pct=round(known.grade_pct, 3),
+        grade_std_pct=round(known.grade_std_pct, 3),
+        alt_m=None if known.alt_m is None else round(known.alt_m, 2),
+        runs=known.runs,
+        updated=rfc3339(known.updated_ns),
+        flagged_runs=known.flagged_runs,
+    )

@@ -7,7 +7,7 @@ from fastapi import FastAPI, Request, Response
 from prometheus_client import CollectorRegistry
 
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, SlowAnswer, answers, create_service_app
+from wayline.http import Healthz, JsonAnswer, RoundedAnswer, SlowAnswer, answers, create_service_app
 from wayline.http_settings import HttpSettings
 from wayline.parameters import describe_parameters
 from wayline_slope_map.answers import (
@@ -114,7 +114,7 @@ def _add_lookahead(app: FastAPI, book: SlopeBook) -> None:
     )
     async def ahead(request: Request) -> JsonAnswer:
         """The road ahead of a place; all null where no known road runs that way."""
-        return JsonAnswer(answer_lookahead(book, request.query_params))
+        return RoundedAnswer(answer_lookahead(book, request.query_params))
 
     @app.get(
         "/v1/vehicles/{vehicle_id}/lookahead",
@@ -124,4 +124,4 @@ def _add_lookahead(app: FastAPI, book: SlopeBook) -> None:
     )
     async def vehicle_ahead(vehicle_id: str, request: Request) -> JsonAnswer:
         """The road ahead of a vehicle, from where its last `horizon` has it."""
-        return JsonAnswer(answer_vehicle_lookahead(book, vehicle_id, request.query_params))
+        return RoundedAnswer(answer_vehicle_lookahead(book, vehicle_id, request.query_params))

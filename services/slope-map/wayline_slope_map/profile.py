@@ -1,7 +1,9 @@
 """Pure: what is known of a road, and the look-ahead from a position on it."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
 
 from wayline.messages import HorizonPoint
 from wayline_slope_map.roads import Road
@@ -14,6 +16,8 @@ class RoadProfile:
 
     road: Road
     bins: Mapping[int, Mapping[int, BinEstimate]]
+    written: dict[tuple[int, int], Any] = field(default_factory=dict, compare=False, repr=False)
+    """What answers say of bins, by direction and index, as far as they were asked for."""
 
 
 def lookahead(
@@ -23,15 +27,26 @@ def lookahead(
 
     A point says what its bin says. Beyond the road's end nothing is known, unless it is a loop.
     """
-    road, bins = profile.road, profile.bins.get(direction, {})
-    points = []
-    for count in range(int(length_m / step_m + 1e-9) + 1):
-        ahead_m = count * step_m
+    distances_m, bins = steps_m(length_m, step_m), profile.bins.get(direction, {})
+    indices = bins_ahead(profile.road, position_m, direction, distances_m)
+    return tuple(map(_point, distances_m, map(bins.get, indices)))
+
+
+@lru_cache
+def steps_m(length_m: float, step_m: float) -> tuple[float, ...]:
+    """Distances from 0 to a length, to the centimetre."""
+    return tuple(round(count * step_m, 2) for count in range(int(length_m / step_m + 1e-9) + 1))
+
+
+def bins_ahead(
+    road: Road, position_m: float, direction: int, distances_m: Sequence[float]
+) -> Iterator[int]:
+    """The bins at distances ahead of a position along the road's line; -1 beyond its end."""
+    for ahead_m in distances_m:
         along_m = position_m + direction * ahead_m
         if road.loop:
             along_m %= road.line.length_m
-        points.append(_point(ahead_m, bins.get(road.bin_at(along_m))))
-    return tuple(points)
+        yield road.bin_at(along_m)
 
 
 def _point(distance_m: float, known: BinEstimate | None) -> HorizonPoint:

@@ -48,7 +48,7 @@ def answer_vehicle_lookahead(
     age_s = book.vehicle_age_s(vehicle_id)
     ahead = _ahead(book.place(vehicle_id), asked)
     return VehicleLookahead(
-        vehicle_id=vehicle_id, age_s=round(age_s, 3), **msgspec.structs.asdict(ahead)
+        vehicle_id=vehicle_id, age_s=round(age_s, 2), **msgspec.structs.asdict(ahead)
     )
 
 

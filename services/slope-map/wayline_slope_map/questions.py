@@ -8,6 +8,7 @@ from msgspec import UNSET, Meta, UnsetType
 
 from wayline.query_error import QueryError
 from wayline_slope_map.answers import Way
+from wayline_slope_map.profile import steps_m
 from wayline_slope_map.roads import Road
 
 FURTHEST_M = 1e7
@@ -40,7 +41,7 @@ class AheadParameters(msgspec.Struct, frozen=True, kw_only=True):
 
     def distances_m(self) -> Sequence[float]:
         """Distances ahead that are asked for, from 0 to the length, as `lookahead` counts them."""
-        return [count * self.step_m for count in range(int(self.length_m / self.step_m + 1e-9) + 1)]
+        return steps_m(self.length_m, self.step_m)
 
 
 class LookaheadParameters(AheadParameters, frozen=True, kw_only=True):

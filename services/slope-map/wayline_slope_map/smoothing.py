@@ -17,7 +17,7 @@ from wayline.line import Floats
 from wayline.noise_scale import NoiseScale
 from wayline.tuning import Tuning
 from wayline.vertical.filter import VerticalFilter
-from wayline.vertical.loading import DOUBT_STD_SHARE, Loading
+from wayline.vertical.loading import Loading
 from wayline.vertical.model import Pushed, Transition
 from wayline.vertical.smoother import rts
 from wayline.vertical.states import VerticalStates
@@ -197,7 +197,7 @@ class _ForwardPass:
         """Let a window of torque begin; after a stand the vehicle may have been loaded."""
         self._kalman.model.handed_over(moved, window.speed_std_mps, goes_on=window.goes_on)
         if self._loading.is_doubted(t_ns):
-            moved.Q[S.INVERSE_MASS, S.INVERSE_MASS] += DOUBT_STD_SHARE**2
+            moved.Q[S.INVERSE_MASS, S.INVERSE_MASS] += self._kalman.model.load_std**2
         self._loading = Loading(t_ns)
 
     def _take_slope(self, reading: "_Reading", window: Window | None) -> None:

@@ -18,6 +18,7 @@ import numpy as np
 
 from wayline.likelihood import Floats, Measurement
 from wayline.tuning import Tuning
+from wayline.vertical.loading import DOUBT_STD_SHARE
 from wayline.vertical.road import Road
 from wayline.vertical.states import VerticalStates
 
@@ -71,6 +72,8 @@ class VerticalModel:
         has_altimeter = {"gps", "barometer"} & set(tuning.vertical_sensors)
         self._mass_std = tuning.mass_std_share if has_altimeter else MASS_ALONE_STD
         self._loading = self._mass_std**2 / LOADED_AFTER_S
+        self.load_std = DOUBT_STD_SHARE if has_altimeter else MASS_ALONE_STD
+        """Of the inverse mass after a stand in which a load may have come."""
         self._own_bias_std = tuning.vehicle_slope_bias_std_pct / 100.0
 
     def first(self) -> tuple[Floats, Floats]:
@@ -113,7 +116,12 @@ class VerticalModel:
         return Transition(F, Q)
 
     def _fade(
-        self, F: Floats, Q: Floats, distance_m: Number, elapsed_s: Number, kept_shares: Number
+        self,
+        F: Floats,
+        Q: Floats,
+        distance_m: Number,
+        elapsed_s: Number,
+        kept_shares: tuple[Number, Number],
     ) -> None:
         """Write what time does: of torque's biases and receivers' errors these shares stay."""
         kept, kept_error = kept_shares

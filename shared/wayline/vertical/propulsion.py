@@ -40,6 +40,9 @@ SHORTEST_S, LONGEST_S = 0.5, 4.0
 """Of a block; longer where the wheels' readings are seldom, given up where torque stays away."""
 SLOWING_MPS2 = -0.2
 """Without a signal of the brake: who slows down harder without torque may be braking."""
+GUST_MPS, GUST_LENGTH_M = 3.0, 80.0
+"""Of the wind along the road and the wake of those ahead, alike over so much of the way: 0.5 % of a
+car's slope at 30 m/s, 0.1 % of a truck's at 24 m/s. Judgement."""
 FEW_SAMPLES_STD = 0.01
 """Of the slope, over the number of torques in a window: between two of them torque changes."""
 
@@ -57,7 +60,7 @@ class Push(NamedTuple):
     level: float
     """What rolling and acceleration take on a level road, over the vehicle's true weight."""
     sampling_std: float
-    """One sigma of the slope by few samples, without the noise of torque."""
+    """One sigma of the slope by few samples and by gusts, without the noise of torque."""
     speed_std_mps: float
     """Of the wheels' speed at either end of the window."""
     goes_on: bool
@@ -177,12 +180,18 @@ class Propulsion:
             share,
             self._vehicle.rolling_coefficient
             + (1.0 + WHEELS_SHARE) * acceleration_mps2 / GRAVITY_MPS2,
-            FEW_SAMPLES_STD / count,
+            math.hypot(FEW_SAMPLES_STD / count, self._gust_std(after.speed_mps, length_s)),
             self._noise.std_mps(len(after.speeds_mps)),
             goes_on,
             after.speed_mps * (t_ns - middle_ns) * 1e-9,
             before.is_braked or after.is_braked or (may_brake and acceleration_mps2 < SLOWING_MPS2),
         )
+
+    def _gust_std(self, speed_mps: float, length_s: float) -> float:
+        """Of the slope by gusts, as noise of each window that is worth what several share."""
+        alike = max(2.0 * GUST_LENGTH_M / (speed_mps * length_s), 1.0)
+        per_mps = 2.0 * self._drag_n_per_mps2 * speed_mps / self._weight_n
+        return GUST_MPS * per_mps * math.sqrt(alike)
 
     def _slip_mps(self, further_n: float) -> float:
         """By how much driven wheels turn faster for a further push at the same speed."""

@@ -10,9 +10,12 @@ import pytest
 from builders import only, run_core
 from unit.fusion.drives import Sensors, messages_of, straight, truth_of
 from wayline.drive import Vehicle
+from wayline.inputs import Flush
 from wayline.messages import FusionStatus, GpsFix, Message, Odometer, Pose, Torque
 from wayline.tuning import Tuning
+from wayline.vertical.states import VerticalStates
 from wayline_fusion.core import FusionCore
+from wayline_fusion.keeping.records import Saved
 
 G, TURNS_PER_M = 9.81, 3.0
 TRUCK = Vehicle(mass_kg=20_000.0, drag_coefficient=0.6, frontal_area_m2=9.0)
@@ -137,3 +140,44 @@ def test_without_torque_neither_mass_nor_bias_is_told() -> None:
     status = last_status(outputs(messages))
     assert status.mass_kg is None
     assert status.torque_bias_pct is None
+
+
+def kept(messages: list[Message]) -> Saved:
+    """What a core wants kept at the end."""
+    core = FusionCore(Tuning(), vehicle=TRUCK)
+    run_core(core, messages)
+    (saved,) = core.handle(Flush(messages[-1].t_ns), "fusion")
+    assert isinstance(saved, Saved)
+    return saved
+
+
+@pytest.mark.parametrize(("off_s", "std_share"), [(2.0, 0.03), (3_600.0, 0.6)])
+def test_the_mass_is_kept_over_a_restart_and_doubted_after_a_stand(
+    off_s: float, std_share: float
+) -> None:
+    """Driving on it is the load of before; after an hour at rest it may be any."""
+    heavy = list(heard(500.0, mass_kg=23_000.0))
+    saved = kept(heavy)
+    if off_s > 60.0:
+        assert saved.pose is not None
+        stood = msgspec.structs.replace(saved.pose, speed_mps=0.0)
+        saved = msgspec.structs.replace(saved, pose=stood)
+    later_ns = heavy[-1].t_ns + round(off_s * 1e9)
+    core = FusionCore(Tuning(), saved, TRUCK)
+    core.handle(Odometer(t_ns=later_ns, speed_mps=20.0), "can-ingest")
+    kalman = core._vertical.filter
+    assert kalman.mass * TRUCK.mass_kg == pytest.approx(23_000.0, rel=0.05)
+    assert kalman.std(VerticalStates.INVERSE_MASS) == pytest.approx(std_share, abs=0.03)
+
+
+def test_a_stand_opens_no_mass_that_only_torque_could_tell() -> None:
+    """Without an altimeter nothing tells a mass from a slope: it stays the stated one."""
+    pause_ns = 400_000_000_000
+    driven = list(heard(60.0))
+    later = [msgspec.structs.replace(each, t_ns=each.t_ns + pause_ns) for each in heard(60.0)]
+    standing = [
+        Odometer(t_ns=driven[-1].t_ns + number * 500_000_000, speed_mps=0.0)
+        for number in range(1, 650)
+    ]
+    found = outputs([*driven, *standing, *later], Tuning(vertical_sensors=("torque",)))
+    assert last_status(found).mass_kg == pytest.approx(TRUCK.mass_kg, rel=0.03)

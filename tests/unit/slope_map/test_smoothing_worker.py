@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -15,10 +15,21 @@ from wayline_slope_map import smoothing_worker
 from wayline_slope_map.export import export_rows
 from wayline_slope_map.records import DrivenRun, FinishedRun
 from wayline_slope_map.run import smoothed_runs
-from wayline_slope_map.smoothing_worker import SmoothingWorker
+from wayline_slope_map.smoothing_process import SmoothingProcess
+from wayline_slope_map.smoothing_worker import Smoother, SmoothingWorker
 from wayline_slope_map.store import SlopeStore, SlopeTables
 
 PACKAGE = "wayline_slope_map"
+
+
+class Here:
+    """Smooths in the worker's thread, by a function."""
+
+    def __init__(self, smoothed: Callable[[DrivenRun], list[FinishedRun]]) -> None:
+        self.smoothed = smoothed
+
+    def close(self) -> None:
+        """Nothing was begun."""
 
 
 @pytest.fixture(scope="module")
@@ -28,19 +39,28 @@ def driven() -> DrivenRun:
 
 
 @pytest.fixture
-def worker(tmp_path: Path) -> Iterator[SmoothingWorker]:
-    made = worker_at(tmp_path)
-    yield made
-    made.close()
+def process() -> Iterator[SmoothingProcess]:
+    begun = SmoothingProcess()
+    yield begun
+    begun.close()
 
 
-def worker_at(folder: Path, capacity: int = 10) -> SmoothingWorker:
+def worker_at(
+    folder: Path, begin: Callable[[], Smoother] = SmoothingProcess, capacity: int = 10
+) -> SmoothingWorker:
     tables = Tables(f"sqlite:///{folder}/live.db", PACKAGE, SlopeTables)
-    return SmoothingWorker(PatientStore(tables, Settings()), capacity)
+    return SmoothingWorker(PatientStore(tables, Settings()), capacity, begin)
+
+
+def test_another_process_comes_to_the_same_to_the_last_bit(
+    driven: DrivenRun, process: SmoothingProcess
+) -> None:
+    assert process.smoothed(driven) == smoothed_runs(driven)
+    assert process.smoothed(driven) == smoothed_runs(driven)
 
 
 def test_what_is_kept_live_is_what_a_replay_keeps(driven: DrivenRun, tmp_path: Path) -> None:
-    worker = worker_at(tmp_path)
+    worker = worker_at(tmp_path, lambda: Here(smoothed_runs))
     worker.start(lambda: None)
     assert worker.save(driven) == ()
     worker.close()
@@ -53,9 +73,7 @@ def test_what_is_kept_live_is_what_a_replay_keeps(driven: DrivenRun, tmp_path: P
     assert len(live) > 70
 
 
-def test_whoever_hands_a_run_over_does_not_wait(
-    driven: DrivenRun, worker: SmoothingWorker, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_whoever_hands_a_run_over_does_not_wait(driven: DrivenRun, tmp_path: Path) -> None:
     at_work, go_on = threading.Event(), threading.Event()
 
     def slow(run: DrivenRun) -> list[FinishedRun]:
@@ -63,13 +81,35 @@ def test_whoever_hands_a_run_over_does_not_wait(
         go_on.wait(8.0)
         return smoothed_runs(run)
 
-    monkeypatch.setattr(smoothing_worker, "smoothed_runs", slow)
+    worker = worker_at(tmp_path, lambda: Here(slow))
     worker.start(lambda: None)
     began = time.monotonic()
     worker.save(driven)
     assert at_work.wait(10.0)
     worker.save(driven)
     assert time.monotonic() - began < 5.0
+    go_on.set()
+    worker.close()
+
+
+def test_a_run_that_takes_too_long_does_not_hold_the_end_up(
+    driven: DrivenRun,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.setattr(smoothing_worker, "CLOSE_S", 0.2)
+    go_on = threading.Event()
+
+    def slow(_: DrivenRun) -> list[FinishedRun]:
+        go_on.wait(10.0)
+        return []
+
+    worker = worker_at(tmp_path, lambda: Here(slow))
+    worker.start(lambda: None)
+    worker.save(driven)
+    worker.close()
+    assert "could not be smoothed in time" in caplog.text
     go_on.set()
 
 
@@ -81,16 +121,19 @@ def test_runs_that_find_no_room_are_told_of(driven: DrivenRun, tmp_path: Path) -
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
-def test_a_smoothing_that_dies_ends_the_process(
-    driven: DrivenRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_smoothing_that_dies_ends_the_process(driven: DrivenRun, tmp_path: Path) -> None:
     def broken(run: DrivenRun) -> list[FinishedRun]:
         raise ZeroDivisionError(run.vehicle_id)
 
-    monkeypatch.setattr(smoothing_worker, "smoothed_runs", broken)
-    worker, failed = worker_at(tmp_path), threading.Event()
+    worker, failed = worker_at(tmp_path, lambda: Here(broken)), threading.Event()
     worker.start(failed.set)
     worker.save(driven)
     assert failed.wait(10.0)
     with pytest.raises(RuntimeError, match="died"):
         worker.close()
+
+
+def test_a_process_that_was_killed_is_told_of(driven: DrivenRun, process: SmoothingProcess) -> None:
+    process.close()
+    with pytest.raises((RuntimeError, ValueError)):
+        process.smoothed(driven)

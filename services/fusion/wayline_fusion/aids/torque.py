@@ -6,7 +6,7 @@ import msgspec
 
 from wayline.agreement import Agreement, lasted_s, rejected
 from wayline.noise_scale import NoiseScale
-from wayline.vertical.loading import DOUBT_SLOPE_STD, DOUBT_STD_SHARE, Loading
+from wayline.vertical.loading import DOUBT_SLOPE_STD, Loading
 from wayline.vertical.model import Pushed
 from wayline.vertical.propulsion import Push
 from wayline.vertical.trust import TORQUE_FACTOR_MIN, is_believable_mass
@@ -71,7 +71,7 @@ class TorqueSlope:
         """Doubt the mass after a stand, and where torques have been rejected for long."""
         noise, streak, loading = msgspec.structs.astuple(self.evidence)
         if loading.is_doubted(t_ns):
-            estimate.filter.inflate_mass(DOUBT_STD_SHARE)
+            estimate.filter.inflate_mass(estimate.filter.model.load_std)
             estimate.filter.inflate_slope(DOUBT_SLOPE_STD)
         if lasted_s(streak, t_ns) >= estimate.tuning.torque_relock_after_s:
             estimate.filter.inflate_mass(estimate.tuning.mass_std_share)

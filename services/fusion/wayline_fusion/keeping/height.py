@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 
 from wayline.tuning import Tuning
+from wayline.vertical.loading import STOOD_S
 from wayline.vertical.model import VerticalModel
 from wayline.vertical.states import VerticalStates
 from wayline_fusion.filter.vertical import Snapshot
@@ -34,6 +35,8 @@ def kept_height(snapshot: Snapshot) -> LastHeight | None:
         baro_bias_m=x.item(S.BARO_BIAS),
         baro_bias_std_m=bias_std_m,
         alt_bias_correlation=shared_m2 / (alt_std_m * bias_std_m),
+        inverse_mass=snapshot.x.item(S.INVERSE_MASS),
+        inverse_mass_std=math.sqrt(max(snapshot.P.item(S.INVERSE_MASS, S.INVERSE_MASS), 0.0)),
     )
 
 
@@ -43,7 +46,8 @@ def resumed_height(
     """The state to start with at an instant, from a height that was kept with a pose.
 
     The vehicle stood, and may have been moved a little, or goes on as it drove: the model itself
-    says what that does to altitude and slope, and the weather to the barometer's bias.
+    says what that does to altitude and slope, and the weather to the barometer's bias. A vehicle
+    that stood for minutes may carry another load.
     """
     off_s = max(t_ns - saved.t_ns, 0) * 1e-9
     speed_mps = 0.0 if saved.pose is None else saved.pose.speed_mps
@@ -55,6 +59,8 @@ def resumed_height(
         moved.Q[S.ALTITUDE, S.ALTITUDE] += moved_m**2
     else:
         moved = model.transition(speed_mps * off_s, off_s)
+    if abs(speed_mps) < STOOD_MPS and off_s >= STOOD_S:
+        moved.Q[S.INVERSE_MASS, S.INVERSE_MASS] = model.load_std**2
     x, covariance = moved.F @ x, moved.F @ covariance @ moved.F.T + moved.Q
     if covariance[S.ALTITUDE, S.ALTITUDE] > USEFUL_STD_M**2:
         return fresh
@@ -68,4 +74,7 @@ def _state(height: LastHeight, fresh: Snapshot) -> tuple[np.ndarray, np.ndarray]
     covariance[: S.CURVATURE, : S.CURVATURE] = np.diag(np.square(stds))
     shared_m2 = height.alt_bias_correlation * height.alt_std_m * height.baro_bias_std_m
     covariance[S.ALTITUDE, S.BARO_BIAS] = covariance[S.BARO_BIAS, S.ALTITUDE] = shared_m2
+    if height.inverse_mass is not None and height.inverse_mass_std is not None:
+        x[S.INVERSE_MASS] = height.inverse_mass
+        covariance[S.INVERSE_MASS, S.INVERSE_MASS] = height.inverse_mass_std**2
     return x, covariance

@@ -45,7 +45,7 @@ class LastPose(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class LastHeight(msgspec.Struct, frozen=True, kw_only=True):
-    """How high the vehicle was, how steep the road, and what the barometer was off."""
+    """How high the vehicle was, how steep the road, what the barometer was off and the load."""
 
     alt_m: float
     alt_std_m: float
@@ -55,6 +55,9 @@ class LastHeight(msgspec.Struct, frozen=True, kw_only=True):
     baro_bias_std_m: float
     alt_bias_correlation: float
     """Of altitude and bias: what the barometer measures is their sum."""
+    inverse_mass: float | None = None
+    """Stated mass over the one that torque tells; None of what was kept before masses were."""
+    inverse_mass_std: float | None = None
 
 
 class Saved(Record, frozen=True, kw_only=True):

@@ -41,4 +41,6 @@ VEHICLES = sa.Table(
     sa.Column("baro_bias_m", sa.Float),
     sa.Column("baro_bias_std_m", sa.Float),
     sa.Column("alt_bias_correlation", sa.Float),
+    sa.Column("inverse_mass", sa.Float),
+    sa.Column("inverse_mass_std", sa.Float),
 )
