@@ -17,6 +17,7 @@ from wayline_evaluation.scenario_study import BARS
 from wayline_evaluation.scenario_table import HEADER, markdown, yardstick_lines
 from wayline_evaluation.studied import Studied
 from wayline_evaluation.study import main
+from wayline_replay.outages import Outage
 from wayline_simulator.scenario_file import shipped_scenarios
 
 
@@ -72,7 +73,7 @@ def test_the_yardstick_is_told_to_be_honest_or_not() -> None:
 def test_outages_end_within_the_drive_and_leave_time_between() -> None:
     """60, 100, 150 s; the fourth of 200 s would last beyond the end."""
     outages = outages_within(1000.0)
-    assert [tuple(outage) for outage in outages] == [(240.0, 60.0), (420.0, 100.0), (640.0, 150.0)]
+    assert outages == [Outage(240.0, 60.0), Outage(420.0, 100.0), Outage(640.0, 150.0)]
 
 
 def test_every_scenario_is_studied_and_every_bar_has_its_scenario() -> None:
