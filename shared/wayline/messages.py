@@ -248,6 +248,19 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     reason: Text | None = None
 
 
+class SensorSlope(msgspec.Struct, frozen=True, kw_only=True):
+    """What one sensor alone says of the slope of the road just driven."""
+
+    sensor: Text
+    """As its verdicts name it."""
+    source: Text | None = None
+    """The receiver, of altitudes."""
+    slope_pct: Quantity
+    """In the direction of travel, positive uphill."""
+    slope_std_pct: Std
+    """By the scatter of its readings; what they share is not in it."""
+
+
 class FusionStatus(Message, frozen=True, kw_only=True):
     """What fusion has learned of the sensors and what it did with their measurements.
 
@@ -276,6 +289,8 @@ class FusionStatus(Message, frozen=True, kw_only=True):
     late: Count = 0
     rejected: Count = 0
     verdicts: Annotated[tuple[Verdict, ...], AtMost] = ()
+    slopes: Annotated[tuple[SensorSlope, ...], AtMost] = ()
+    """By sensor, over the last 200 m or less; those that have told enough of it."""
 
 
 class AidedSatellite(msgspec.Struct, frozen=True, kw_only=True):

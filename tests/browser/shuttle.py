@@ -14,6 +14,7 @@ from wayline.messages import (
     Pose,
     PoseMode,
     Progress,
+    SensorSlope,
     StopArrival,
 )
 from wayline.route import Route, make_route
@@ -42,6 +43,12 @@ STOPS = (
     StopPlace("s3", "Whittier Place", 39.90840, -75.34632, 10.0),
     StopPlace("s4", "North Gate", 39.91073, -75.34912, 10.0),
     StopPlace("s5", "Crum Woods", 39.90815, -75.34980, 10.0),
+)
+
+
+SLOPES = (
+    SensorSlope(sensor="gps_altitude", source="gps-ingest", slope_pct=-1.25, slope_std_pct=0.61),
+    SensorSlope(sensor="barometer", slope_pct=2.04, slope_std_pct=0.22),
 )
 
 
@@ -151,7 +158,7 @@ class Shuttle:
 
     def _status(self, t_ns: int, step: int) -> FusionStatus:
         outage_s = step / 10.0 - self.outage.start if self._is_blind(step) else 0.0
-        return FusionStatus(t_ns=t_ns, calibration="calibrated", outage_s=outage_s)
+        return FusionStatus(t_ns=t_ns, calibration="calibrated", outage_s=outage_s, slopes=SLOPES)
 
     def _progress(self, t_ns: int, distance_m: float) -> Progress:
         lat_deg, lon_deg, _ = self.place(distance_m)

@@ -94,6 +94,14 @@ def test_following_keeps_a_moving_vehicle_in_the_middle(stage: Stage, watched: W
     assert state(page, "return map.getCenter().lat;") == pytest.approx(lat_deg, abs=1e-5)
 
 
+def test_the_slope_by_sensor_is_listed_for_who_asks(stage: Stage, watched: Watched) -> None:
+    page = open_page(stage, watched)
+    expect(page.locator("#slopes dl")).to_be_hidden()
+    page.locator("#slopes summary").click()
+    expect(page.locator("#slopes dt")).to_have_text(["GPS altitude", "Barometer"])
+    expect(page.locator("#slopes dd")).to_have_text(["\N{MINUS SIGN}1.3 ± 0.6 %", "+2.0 ± 0.2 %"])
+
+
 def test_the_ellipse_has_its_size_in_metres(stage: Stage, watched: Watched) -> None:
     stage.drive(600, 1001)  # from second 90 on without GPS: it has grown
     page = open_page(stage, watched)

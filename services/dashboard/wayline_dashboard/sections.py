@@ -8,6 +8,7 @@ from wayline.messages import (
     Horizon,
     Pose,
     Progress,
+    SensorSlope,
     StopArrival,
 )
 from wayline.rfc3339 import rfc3339
@@ -19,6 +20,7 @@ from wayline_dashboard.view import (
     MissingView,
     PoseView,
     ProgressView,
+    SensorSlopeView,
     ServiceView,
     SlopePoint,
     StatusView,
@@ -70,6 +72,19 @@ def status_view(status: FusionStatus, last_rejection: str | None) -> StatusView:
         late=status.late,
         rejected=status.rejected,
         last_rejection=newest_rejection(status) or last_rejection,
+        slopes=tuple(_slope_view(slope, status) for slope in status.slopes),
+    )
+
+
+def _slope_view(slope: SensorSlope, status: FusionStatus) -> SensorSlopeView:
+    return SensorSlopeView(
+        sensor=slope.sensor,
+        source=slope.source,
+        slope_pct=slope.slope_pct,
+        slope_std_pct=slope.slope_std_pct,
+        refused=any(
+            verdict.sensor == slope.sensor and not verdict.accepted for verdict in status.verdicts
+        ),
     )
 
 

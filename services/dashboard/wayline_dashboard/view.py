@@ -46,6 +46,18 @@ class FixView(msgspec.Struct, frozen=True, kw_only=True):
     h_std_m: float | None
 
 
+class SensorSlopeView(msgspec.Struct, frozen=True, kw_only=True):
+    """What one sensor alone says of the slope of the last 200 m."""
+
+    sensor: str
+    source: str | None
+    """The receiver, of altitudes."""
+    slope_pct: float
+    slope_std_pct: float
+    refused: bool
+    """Whether a reading of it was refused since the status before."""
+
+
 class StatusView(msgspec.Struct, frozen=True, kw_only=True):
     """How fusion gets on with its sensors."""
 
@@ -56,6 +68,7 @@ class StatusView(msgspec.Struct, frozen=True, kw_only=True):
     rejected: int
     last_rejection: str | None
     """Sensor and reason of the newest refused measurement."""
+    slopes: tuple[SensorSlopeView, ...]
 
 
 class ProgressView(msgspec.Struct, frozen=True, kw_only=True):

@@ -12,6 +12,7 @@ from wayline.messages import Barometer, GpsFix, GpsRaw, Gyro, Message, Odometer,
 from wayline.tuning import Tuning
 from wayline_fusion.architectures.choice import chosen
 from wayline_fusion.coupling.aider import Aider
+from wayline_fusion.evidence.slopes_told import SlopesTold
 from wayline_fusion.filter.timeline import Timeline
 from wayline_fusion.intake.events import Elapsed, Event, Ranges
 from wayline_fusion.intake.intake import Intake
@@ -48,8 +49,14 @@ class FusionCore:
         self._timeline: Timeline[Event] = Timeline((self._estimator, self._vertical), depth_ns)
         self._told = Told()
         self._intake = Intake(tuning, self._told, self._estimator, vehicle)
+        self._slopes = SlopesTold()
         self._outputs = Outputs(
-            self._estimator, self._vertical, self._told, tuning, vehicle.mass_kg
+            self._estimator,
+            self._vertical,
+            self._told,
+            self._slopes,
+            tuning,
+            mass_kg=vehicle.mass_kg,
         )
         self._aider = Aider()
         self._fix_delay_ns = 0
@@ -171,6 +178,8 @@ class FusionCore:
         """Apply events of one instant, and tell their own verdicts."""
         if not self._timeline.add(*events):
             self._told.late += 1
+        for event in events:
+            self._slopes.take(event, self._estimator.progress)
         t_ns = events[0].t_ns
         self._told.add(self._estimator.take_verdicts(), t_ns)
         if self._vertical.verdicts:

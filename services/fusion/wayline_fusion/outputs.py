@@ -9,6 +9,7 @@ from wayline.messages import Calibration, FusionStatus, Pose, PoseMode
 from wayline.satellites.doppler import AntennaMotion
 from wayline.tuning import Tuning
 from wayline_fusion.architectures.architecture import Architecture, Motion, SensorErrors
+from wayline_fusion.evidence.slopes_told import SlopesTold
 from wayline_fusion.filter.vertical import VerticalEstimate
 from wayline_fusion.intake.told import Told
 
@@ -41,11 +42,13 @@ class Outputs:
         estimator: Architecture,
         vertical: VerticalEstimate,
         told: Told,
+        slopes: SlopesTold,
         tuning: Tuning,
+        *,
         mass_kg: float,
     ) -> None:
         self._estimator, self._vertical = estimator, vertical
-        self._told, self._tuning = told, tuning
+        self._told, self._slopes, self._tuning = told, slopes, tuning
         self._mass_kg = mass_kg
         self._distance_m = 0.0
 
@@ -123,6 +126,7 @@ class Outputs:
             late=self._told.late,
             rejected=self._told.rejected,
             verdicts=self._told.take(),
+            slopes=tuple(self._slopes.told(torque)),
         )
 
 

@@ -181,6 +181,9 @@ class RerunView:
         for name, std_name in CALIBRATED:
             value, std = getattr(status, name), getattr(status, std_name)
             self._estimate(f"calibration/{name}", status.t_ns, value, std)
+        for slope in status.slopes:
+            entity = f"grade/{slope.sensor}" + (f"/{slope.source}" if slope.source else "")
+            self._scalar(entity, status.t_ns, slope.slope_pct)
         self._satellites.judge(each for each in status.verdicts if is_of_satellite(each))
         for verdict in status.verdicts:
             if not is_of_satellite(verdict):

@@ -13,6 +13,7 @@ from wayline.messages import (
     Odometer,
     Pose,
     Progress,
+    SensorSlope,
     StopArrival,
     Verdict,
 )
@@ -212,6 +213,24 @@ def test_the_last_rejection_outlives_the_status_that_told_it() -> None:
     view = told.since().status
     assert view is not None
     assert view.last_rejection == "gps_position: gate"
+
+
+def test_the_slope_of_a_sensor_that_was_just_refused_says_so() -> None:
+    told = Told()
+    refused = Verdict(
+        sensor="barometer", t_ns=START_NS, accepted=False, nis=80.0, threshold=9.2, reason="gate"
+    )
+    slopes = tuple(
+        SensorSlope(sensor=sensor, slope_pct=2.0, slope_std_pct=0.5)
+        for sensor in ("barometer", "torque")
+    )
+    told.put(FusionStatus(t_ns=START_NS, rejected=1, verdicts=(refused,), slopes=slopes))
+    view = told.since().status
+    assert view is not None
+    assert [(each.sensor, each.refused) for each in view.slopes] == [
+        ("barometer", True),
+        ("torque", False),
+    ]
 
 
 def test_a_service_that_lost_its_token_is_down_with_its_last_health() -> None:

@@ -21,6 +21,7 @@ from wayline.messages import (
     Pose,
     Progress,
     RawSatellite,
+    SensorSlope,
     Verdict,
 )
 from wayline.rerun_view import READS, RerunRecording
@@ -300,6 +301,16 @@ def test_progress_and_horizon_are_shown(record: Record) -> None:
     assert rows["/bus-7/map/on_route"] == [(at(1), [[LAT_DEG, LON_DEG]])]
     assert rows["/bus-7/states/route"] == [(at(1), ["off route"])]
     assert rows["/bus-7/grade/earlier_runs"] == [(at(1), [2.5])]
+
+
+def test_what_each_sensor_says_of_the_slope_lies_beside_what_fusion_says(record: Record) -> None:
+    slopes = (
+        SensorSlope(sensor="gps_altitude", source="gps-ingest", slope_pct=2.0, slope_std_pct=0.5),
+        SensorSlope(sensor="torque", slope_pct=1.5, slope_std_pct=0.1),
+    )
+    rows = record([FusionStatus(t_ns=at(1), slopes=slopes)])
+    assert rows["/bus-7/grade/gps_altitude/gps-ingest"] == [(at(1), [2.0])]
+    assert rows["/bus-7/grade/torque"] == [(at(1), [1.5])]
 
 
 def test_a_route_and_its_stops_hold_at_all_times(record: Record, tmp_path: Path) -> None:

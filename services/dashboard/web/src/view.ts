@@ -38,6 +38,14 @@ export interface Fix {
   h_std_m: number | null;
 }
 
+export interface SensorSlope {
+  sensor: string;
+  source: string | null;
+  slope_pct: number;
+  slope_std_pct: number;
+  refused: boolean;
+}
+
 export interface Status {
   t: string;
   calibration: "none" | "started" | "calibrated";
@@ -45,6 +53,7 @@ export interface Status {
   late: number;
   rejected: number;
   last_rejection: string | null;
+  slopes: SensorSlope[];
 }
 
 export interface Progress {

@@ -20,7 +20,7 @@ test("a change leaves what it does not name", () => {
   const status = { t: NOW, calibration: "none", outage_s: 0, late: 0, rejected: 0 } as const;
   apply(
     fleet,
-    view("snapshot", { vehicle_id: "a", status: { ...status, last_rejection: null } }),
+    view("snapshot", { vehicle_id: "a", status: { ...status, last_rejection: null, slopes: [] } }),
   );
   apply(fleet, view("changes", { vehicle_id: "a", heard: NOW }));
   expect(fleet.vehicles.get("a")).toMatchObject({ heardMs: 0, status });

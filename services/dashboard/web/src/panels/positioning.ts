@@ -4,8 +4,15 @@ import { html } from "lit-html";
 import type { TemplateResult } from "lit-html";
 
 import type { Vehicle } from "../fleet";
-import type { Status } from "../view";
-import { duration, length } from "../words";
+import type { SensorSlope, Status } from "../view";
+import { duration, length, signed } from "../words";
+
+const SENSORS: Record<string, string> = {
+  gps_altitude: "GPS altitude",
+  barometer: "Barometer",
+  torque: "Torque",
+  vehicle_slope: "The vehicle's own",
+};
 
 export function positioningPanel(vehicle: Vehicle): TemplateResult | null {
   const lines = [outageNote(vehicle), fixNote(vehicle), calibrationNote(vehicle)];
@@ -19,7 +26,36 @@ export function positioningPanel(vehicle: Vehicle): TemplateResult | null {
       <ul>
         ${told.map((line) => html`<li>${line}</li>`)}
       </ul>
+      ${slopesBySensor(vehicle.status?.slopes ?? [])}
     </section>
+  `;
+}
+
+/** What each sensor alone says of the road just driven, beside the one slope that fusion tells. */
+function slopesBySensor(slopes: readonly SensorSlope[]): TemplateResult | null {
+  if (slopes.length === 0) {
+    return null;
+  }
+  const receivers = slopes.filter((slope) => slope.source !== null).length;
+  return html`
+    <details id="slopes">
+      <summary>Slope of the last 200 m by sensor</summary>
+      <dl>
+        ${slopes.map(
+          (slope) => html`
+            <dt>
+              ${SENSORS[slope.sensor] ?? slope.sensor}${receivers > 1 && slope.source !== null
+                ? ` (${slope.source})`
+                : ""}
+            </dt>
+            <dd>
+              ${signed(slope.slope_pct, 1)} ± ${slope.slope_std_pct.toFixed(1)}
+              %${slope.refused ? ", refused" : ""}
+            </dd>
+          `,
+        )}
+      </dl>
+    </details>
   `;
 }
 
