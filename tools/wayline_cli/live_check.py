@@ -29,7 +29,7 @@ from wayline_cli.local_system import LocalSystem
 from wayline_fusion.core import FusionCore
 from wayline_replay.replay import replay
 
-SENSED = ("gps_fix", "gps_sky", "odometer", "gyro", "torque", "barometer")
+SENSED = ("gps_fix", "gps_sky", "gps_raw", "odometer", "gyro", "torque", "barometer")
 NEAR_M = 0.5
 START_S = 20.0
 END_S = 30.0
