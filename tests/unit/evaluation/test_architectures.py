@@ -167,7 +167,7 @@ def test_architectures_are_named_with_commas() -> None:
 
 
 def test_an_unknown_architecture_is_one_line_with_the_names() -> None:
-    with pytest.raises(InputError, match=r"'tight' is not known; give some of loose, uncoupled"):
+    with pytest.raises(InputError, match=r"'tight' is not known; give some of loose, measurement"):
         architectures_of("loose,tight")
 
 
