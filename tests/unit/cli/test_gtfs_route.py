@@ -72,7 +72,7 @@ def test_an_untimed_stop_lies_between_timed_ones(feed: MakeFeed) -> None:
 def test_two_stops_in_the_same_minute_share_a_speed(feed: MakeFeed) -> None:
     hasty = FEED["stop_times.txt"].replace("24:01:00,24:01:20", "23:59:30,23:59:30")
     route = route_from_gtfs(feed(stop_times=hasty), "t1")
-    assert np.ptp(route.speeds_mps) < 1e-9
+    assert np.ptp(route.speeds_mps) < 1e-3
     assert route.speeds_mps[0] == pytest.approx(2228.3 / 300.0, abs=0.01)
 
 
