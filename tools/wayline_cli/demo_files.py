@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import msgspec
 
+from wayline.drive_file import load_drive
 from wayline.errors import InputError
 from wayline.route_file import load_route
 from wayline.services import SERVICES
@@ -106,13 +107,14 @@ def prepare(folder: Path, ports: Ports) -> Demo:
     routes = [str(shuttle / "route.geojson"), str(truck / "route.geojson")]
     of_all = _configuration(folder, ports, ports.http, routes, has_rerun=has_rerun)
     # the shuttle runs by a timetable, on which its lap is late; the truck has its route
-    of_all = f"feeds = {_toml([str(shuttle / 'feed')])}\n{of_all}" + _assigned(truck)
+    feeds = f"feeds = {_toml([str(shuttle / 'feed')])}\n"
+    of_all = feeds + of_all + _assigned(truck) + _build(truck)
     # with one route, its line is the road, and a lap is learned as soon as it ends
     of_slopes = _configuration(folder, ports, ports.http, routes[1:], has_rerun=False)
     truck_ports = ports.http | {"gps-ingest": ports.http[TRUCK_GPS]}
     of_truck = _configuration(folder, ports, truck_ports, [], has_rerun=False)
     config = _written(folder / "wayline.toml", of_all)
-    slope_config = _written(folder / "slope-map.toml", of_slopes)
+    slope_config = _written(folder / "slope-map.toml", of_slopes + _build(truck))
     truck_config = _written(folder / "demo-truck.toml", of_truck)
     own_configs = {"slope-map": slope_config}
     services = [
@@ -165,6 +167,13 @@ def _assigned(drive: Path) -> str:
         f"route_id = {_toml(route.route_id)}",
     )
     return "\n".join((*lines, ""))
+
+
+def _build(drive: Path) -> str:
+    """What the truck weighs and how the air holds it back; the shuttle tells no torque."""
+    vehicle = msgspec.to_builtins(load_drive(drive).vehicle)
+    known = (f"{name} = {_toml(value)}" for name, value in vehicle.items() if value is not None)
+    return "\n".join(("[vehicle]", *known, ""))
 
 
 def _toml(value: object) -> str:

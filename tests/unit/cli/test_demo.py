@@ -89,6 +89,14 @@ def test_the_slopes_have_the_trucks_road_and_the_arrivals_both_routes(
     )
 
 
+def test_fusion_and_the_slopes_know_what_the_truck_weighs(prepared: tuple[Path, Demo]) -> None:
+    folder, _ = prepared
+    truck = load_drive(folder / "demo-truck").vehicle
+    assert truck.mass_kg > 30_000.0
+    for name in ("wayline.toml", "slope-map.toml"):
+        assert load_settings(folder / name, {}).vehicle == truck
+
+
 def test_a_missing_shuttle_is_said_with_the_mend(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
