@@ -46,8 +46,7 @@ class LinesFollowed:
         if place not in self._followers:
             routes = self._runs.line_of(place)
             assert routes is not None  # noqa: S101  # a run was made of it
-            first = routes.of_timing(routes.some_timing, "")
-            self._followers[place] = RouteFollower(first.route, self._tuning)
+            self._followers[place] = RouteFollower(routes.some_route, self._tuning)
         return self._followers[place]
 
     def __iter__(self) -> Iterator[PatternPlace]:

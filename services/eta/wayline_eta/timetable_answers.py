@@ -79,7 +79,7 @@ class TimetableAnswers:
         features = [
             feature
             for pattern in self._patterns(route_id)
-            for feature in route_features(pattern.of_timing(pattern.some_timing, "").route)
+            for feature in route_features(pattern.some_route)
         ]
         if not features:
             raise QueryError(404, f"no route {route_id}; /v1/routes lists them")

@@ -1,5 +1,6 @@
 """Pure: a trip of a timetable as a route: the pattern's line, at the trip's own speeds."""
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -45,11 +46,16 @@ class PatternRoutes:
         self._speeds = SectionSpeeds(self.line, self._alongs_m)
 
     @property
-    def some_timing(self) -> Timing:
+    def _some_timing(self) -> Timing:
         """Of a trip of this pattern, whichever: its line and places are every trip's."""
         place = self._timetable.patterns.index(self.pattern)
         trip = next(trip for trip in self._timetable.trips if trip.pattern == place)
         return self._timetable.timings[trip.timing]
+
+    @cached_property
+    def some_route(self) -> Route:
+        """Of a trip of this pattern, whichever, for who follows its line only."""
+        return self.of_timing(self._some_timing, "").route
 
     def plan_of(self, timing: Timing) -> Plan:
         """When a trip of this timing is at the pattern's stops, in the order of driving."""
