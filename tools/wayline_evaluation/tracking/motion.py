@@ -7,10 +7,11 @@ import msgspec
 import numpy as np
 from scipy.signal import lfilter
 
+from wayline.satellites.earth import SPEED_OF_LIGHT_MPS
 from wayline_evaluation.estimates import Floats
 from wayline_evaluation.tracking.loop import SAMPLES_HZ
 
-WAVELENGTH_M = 299_792_458.0 / 1_575.42e6
+WAVELENGTH_M = SPEED_OF_LIGHT_MPS / 1_575.42e6
 """Of L1."""
 SETTLED_TIMES = 20.0
 """Correlation times after which a process has forgotten how it began."""
