@@ -84,6 +84,15 @@ def test_torque_tells_by_the_mass_that_fusion_has_found() -> None:
     assert list(told.told(None)) == []
 
 
+def test_who_has_told_nothing_of_the_last_stretch_is_left_out() -> None:
+    told = SlopesTold()
+    driven(push, 0.03, range(21), told)
+    driven(altitude, 0.03, range(21, 25), told)
+    assert "torque" in said(told)
+    driven(altitude, 0.03, range(25, 28), told)
+    assert "torque" not in said(told)
+
+
 def test_too_short_a_way_tells_nothing() -> None:
     told = SlopesTold()
     driven(altitude, 0.03, range(9), told)

@@ -6,7 +6,7 @@ and tells one slope. Nothing from here goes back into it.
 
 import math
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from statistics import fmean, linear_regression, stdev
 from typing import TypeVar
 
@@ -18,6 +18,8 @@ from wayline_fusion.intake.events import Event, GpsAltitude, Pressure, ReportedS
 OVER_M = 200.0
 """Of the way just driven: over a shorter one altimeters tell noise."""
 SPAN_MIN_M = 100.0
+LATEST_M = 50.0
+"""Who has told nothing for longer, as torque while brakes hold, speaks of another stretch."""
 APART_M = 4.0
 """Altitudes closer together tell little more than one of them."""
 READINGS_MIN = 5
@@ -35,13 +37,14 @@ class SlopesTold:
     """Remembers what sensors told of the last 200 m driven forwards."""
 
     def __init__(self) -> None:
+        self._at_m = 0.0
         self._altitudes: dict[Named, Readings] = {}
         self._reported: Readings = deque(maxlen=READINGS_MAX)
         self._pushes: deque[tuple[float, Push]] = deque(maxlen=READINGS_MAX)
 
     def take(self, event: Event, progress: Progress) -> None:
         """Take an event when the vehicle has come so far; most kinds tell nothing of a slope."""
-        at_m = progress.distance_m
+        self._at_m = at_m = progress.distance_m
         if progress.speed_mps < 0.0:
             self._forget()
         elif isinstance(event, GpsAltitude):
@@ -56,12 +59,22 @@ class SlopesTold:
     def told(self, torque: TorqueErrors | None) -> Iterator[SensorSlope]:
         """What each says now; torque with the mass and the bias that fusion has found."""
         for (sensor, source), readings in self._altitudes.items():
-            yield from _regressed(sensor, source, readings)
+            yield from _regressed(sensor, source, self._recent(readings))
         if torque is not None:
-            pushes = [push for _, push in self._pushes if not push.is_braked]
-            slopes = [push.share / torque.mass - push.level - torque.bias for push in pushes]
-            yield from _mean("torque", slopes)
-        yield from _mean("vehicle_slope", [slope for _, slope in self._reported])
+            slopes = [
+                (at_m, push.share / torque.mass - push.level - torque.bias)
+                for at_m, push in self._pushes
+                if not push.is_braked
+            ]
+            yield from _mean("torque", self._recent(slopes))
+        yield from _mean("vehicle_slope", self._recent(self._reported))
+
+    def _recent(self, readings: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+        """Those of the last 200 m; none where they do not span enough of it."""
+        recent = [each for each in readings if self._at_m - each[0] <= OVER_M]
+        if len(recent) < READINGS_MIN or recent[-1][0] - recent[0][0] < SPAN_MIN_M:
+            return []
+        return recent if self._at_m - recent[-1][0] <= LATEST_M else []
 
     def _climb(self, named: Named, at_m: float, alt_m: float) -> None:
         readings = self._altitudes.setdefault(named, deque())
@@ -81,9 +94,11 @@ def _keep(kept: deque[tuple[float, Told]], at_m: float, told: Told) -> None:
         kept.popleft()
 
 
-def _regressed(sensor: str, source: str | None, readings: Readings) -> Iterator[SensorSlope]:
-    """The slope of a line through altitudes, where they span enough."""
-    if len(readings) < READINGS_MIN or readings[-1][0] - readings[0][0] < SPAN_MIN_M:
+def _regressed(
+    sensor: str, source: str | None, readings: Sequence[tuple[float, float]]
+) -> Iterator[SensorSlope]:
+    """The slope of a line through altitudes."""
+    if not readings:
         return
     places_m, alts_m = zip(*readings, strict=True)
     slope, alt_m = linear_regression(places_m, alts_m)
@@ -96,8 +111,9 @@ def _regressed(sensor: str, source: str | None, readings: Readings) -> Iterator[
     )
 
 
-def _mean(sensor: str, slopes: Sequence[float]) -> Iterator[SensorSlope]:
-    if len(slopes) < READINGS_MIN:
+def _mean(sensor: str, readings: Sequence[tuple[float, float]]) -> Iterator[SensorSlope]:
+    if not readings:
         return
+    slopes = [slope for _, slope in readings]
     std = stdev(slopes) / math.sqrt(len(slopes))
     yield SensorSlope(sensor=sensor, slope_pct=100.0 * fmean(slopes), slope_std_pct=100.0 * std)
