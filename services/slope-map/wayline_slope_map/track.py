@@ -9,6 +9,7 @@ from wayline.line import Floats
 from wayline.matching.network import Sight
 from wayline.vertical.own_slope import OwnSlope
 from wayline.vertical.propulsion import Push
+from wayline_slope_map.left_out import Spans
 from wayline_slope_map.matching import Match
 
 TRACK_STEP_NS = 400_000_000
@@ -62,6 +63,8 @@ class Track:
     pressures: list[Pressure] = field(default_factory=list)
     pushes: list[Push] = field(default_factory=list)
     own_slopes: list[OwnSlope] = field(default_factory=list)
+    left_out: Spans = field(default_factory=Spans)
+    """What was left out while it was driven."""
 
     def travel(self, t_ns: int, travelled_m: float) -> None:
         """Note a distance, unless the last one was just now."""

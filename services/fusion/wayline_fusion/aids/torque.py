@@ -9,7 +9,7 @@ from wayline.noise_scale import NoiseScale
 from wayline.vertical.loading import DOUBT_SLOPE_STD, Loading
 from wayline.vertical.model import Pushed
 from wayline.vertical.propulsion import Push
-from wayline.vertical.trust import TORQUE_FACTOR_MIN, is_believable_mass
+from wayline.vertical.trust import NO_SUCH_MASS, TORQUE_FACTOR_MIN, is_believable_mass
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
 from wayline_fusion.filter.vertical import VerticalEstimate
 
@@ -51,7 +51,7 @@ class TorqueSlope:
         pushed = Pushed(push.length_s, push.share, push.level, push.behind_m)
         measurement = kalman.model.torque(kalman.x, pushed, std)
         if not is_believable_mass(kalman.mass):
-            estimate.tell("torque", push.t_ns, "the mass would be no such vehicle's")
+            estimate.tell("torque", push.t_ns, NO_SUCH_MASS)
             return UNUSED
         if push.is_braked and float(measurement.y[0]) <= 0.0:
             return UNUSED
