@@ -96,8 +96,11 @@ class SlopeMapCore:
         last = self._pose
         if last is not None and pose.t_ns < last.t_ns:
             return []
-        ended = last is not None and (
-            self._ends_run(last, pose) or self._is_parked(pose) or self._turning.is_over(pose)
+        turned_m = self._turning.turned_m(pose)
+        if turned_m is not None:
+            self._track.end_at(turned_m)
+        ended = turned_m is not None or (
+            last is not None and (self._ends_run(last, pose) or self._is_parked(pose))
         )
         finished: Sequence[Record] = []
         if ended:
@@ -155,6 +158,7 @@ class SlopeMapCore:
             course_deg,
             None,
             _position_std_m(pose),
+            is_reckoned=pose.mode == "dead_reckoning",
         )
         found = self._matcher.observe(place.sight, Moves.measured(moved_m))
         return place._replace(match=Match.of(found.candidate)) if found else place
@@ -188,10 +192,14 @@ class SlopeMapCore:
         return apart.distance_m - (place.travelled_m - last.travelled_m) > allowed_m
 
     def _leap_to(self, place: Place) -> Sequence[Record]:
-        """The run ends where the position leaps to another place."""
-        last = self._last_place()
-        leap = [] if last is None else [leapt(self._vehicle_id, last, place)]
-        return [*self._finish(), *leap]
+        """The run ends where the position leaps to another place.
+
+        What was reckoned before, without a fix that was believed, led astray.
+        """
+        places = self._track.places
+        sure = next((each for each in reversed(places) if not each.is_reckoned), places[0])
+        self._track.doubted_from_m = sure.travelled_m
+        return [*self._finish(), leapt(self._vehicle_id, sure, place)]
 
     def _finish(self) -> Sequence[Record]:
         """The run of the track so far, and what of it is left out; a new track begins."""

@@ -55,7 +55,7 @@ def outcome(driven: DrivenRun) -> list[FinishedRun | LeftOut]:
     passed = [stretch.bins() for stretch in driven.stretches]
     travelled_m = np.concatenate([distances_m for _, distances_m in passed])
     smoothed = smoothed_by_sensor(track, travelled_m, tuning)
-    sensors = _without_walked(smoothed, track, travelled_m)
+    sensors = _where_taught(smoothed, track, travelled_m)
     ends = np.cumsum([len(indices) for indices, _ in passed]).tolist()
     runs = [
         _finished(driven, stretch, bins)
@@ -91,17 +91,17 @@ def _of_stretch(
     ]
 
 
-def _without_walked(
+def _where_taught(
     sensors: dict[Sensor, Smoothed], track: Track, travelled_m: Floats
 ) -> dict[Sensor, Smoothed]:
     """Nothing is known where the run teaches no road."""
-    slow = ~is_driven(track, travelled_m)
+    taught = is_driven(track, travelled_m) & (travelled_m <= track.doubted_from_m)
     return {
         sensor: smoothed._replace(
-            alt_m=np.where(slow, np.nan, smoothed.alt_m),
-            alt_std_m=np.where(slow, np.nan, smoothed.alt_std_m),
-            grade_pct=np.where(slow, np.nan, smoothed.grade_pct),
-            grade_std_pct=np.where(slow, np.nan, smoothed.grade_std_pct),
+            alt_m=np.where(taught, smoothed.alt_m, np.nan),
+            alt_std_m=np.where(taught, smoothed.alt_std_m, np.nan),
+            grade_pct=np.where(taught, smoothed.grade_pct, np.nan),
+            grade_std_pct=np.where(taught, smoothed.grade_std_pct, np.nan),
         )
         for sensor, smoothed in sensors.items()
     }

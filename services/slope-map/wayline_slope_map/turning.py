@@ -18,16 +18,16 @@ class Turning:
         self._since_m: float | None = None
         """Distance travelled at which it began to go the other way."""
 
-    def is_over(self, pose: Pose) -> bool:
-        """Whether a pose shows that the vehicle has turned to the other way for good."""
+    def turned_m(self, pose: Pose) -> float | None:
+        """Where a vehicle that has now surely turned began to go the other way; None else."""
         if pose.speed_mps is None or abs(pose.speed_mps) < STANDING_MPS:
-            return False
+            return None
         if (pose.speed_mps < 0.0) == self._is_backwards:
             self._since_m = None
-            return False
+            return None
         # a restart of fusion counts the distance anew
-        self._since_m = min(self._since_m or pose.distance_m, pose.distance_m)
-        if pose.distance_m - self._since_m < TURNED_M:
-            return False
-        self._is_backwards, self._since_m = not self._is_backwards, None
-        return True
+        since_m = min(pose.distance_m if self._since_m is None else self._since_m, pose.distance_m)
+        has_turned = pose.distance_m - since_m >= TURNED_M
+        self._is_backwards ^= has_turned
+        self._since_m = None if has_turned else since_m
+        return since_m if has_turned else None
