@@ -1,6 +1,7 @@
 """Pure: the engine's push, as a slope."""
 
 import math
+from typing import ClassVar
 
 import msgspec
 
@@ -31,6 +32,8 @@ class TorqueSlope:
     unlikely one is rejected; where the mass comes out as no such vehicle's, none is used. Resets:
     rejected for `torque_relock_after_s`, the mass is another one; after a stand it may be any.
     """
+
+    sensor: ClassVar[str] = "torque"
 
     def __init__(self) -> None:
         self.evidence = TorqueEvidence()
