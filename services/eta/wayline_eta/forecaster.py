@@ -8,7 +8,15 @@ from numpy.typing import NDArray
 from wayline.messages import StopArrival, StopEvent
 from wayline.route import Route
 from wayline_eta import leg_times
-from wayline_eta.arrivals import NORMAL_P90, Outlook, Visit, later_of, predict_visits, usual_s
+from wayline_eta.arrivals import (
+    NORMAL_P90,
+    Outlook,
+    Visit,
+    later_of,
+    next_stop,
+    predict_visits,
+    usual_s,
+)
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.forecasts import Forecast, Forecasts
 from wayline_eta.leg_times import LegTimes
@@ -62,6 +70,8 @@ class Forecaster:
         self._pace.see(gone_s, outlook.t_ns, drives=outlook.drives)
         stand, slower = self._stand(by, outlook, motion), self._pace.slower
         outlook = outlook._replace(stand=stand, slower=slower if outlook.drives else 1.0)
+        if motion is not None:
+            outlook = outlook._replace(gone_s=self._gone_s(by, outlook))
         visits = predict_visits(by, outlook, now_ns, motion)
         if self._forecasts.is_due(now_ns):
             for visit in visits:
@@ -103,6 +113,11 @@ class Forecaster:
             self._expected = expectations(lessons, self._legs, self._plan, t_ns)
             self._renewed_ns, self._taught = t_ns, lessons.taught
         return self._expected
+
+    def _gone_s(self, by: Expectations, outlook: Outlook) -> float | None:
+        """How long it has been under way to the next stop of a timetable, which plans no more."""
+        stop = next_stop(by, outlook)
+        return None if stop is None else self._times.gone_s(stop, outlook.t_ns)
 
     def _stand(self, by: Expectations, outlook: Outlook, motion: ExpectedMotion | None) -> Stand:
         """How long it will still stand: at a stop without a time as long as others have stood."""
