@@ -252,8 +252,7 @@ def usual_s(by: Expectations, outlook: Outlook, from_m: float) -> float:
 
 
 def _rest(by: Expectations, outlook: Outlook, stop: int, visit_m: float) -> tuple[float, float]:
-    """Of the leg under way, by the share of its planned time that is still to go, what the rest
-    has taken, and its pace."""
+    """Of the leg under way, by what of its planned time is still to go, how it began, its pace."""
     ends_s = by.route.time_at(np.array([max(outlook.total_m, 0.0), visit_m]))
     planned_s, whole_s = max(float(ends_s[1] - ends_s[0]), 0.0), float(by.planned_s[stop])
     if whole_s <= 0.0:

@@ -40,8 +40,7 @@ class LegTimes:
         return number % len(self._stops), max(t_ns - since_ns, 0) * 1e-9
 
     def gone_s(self, stop: int, t_ns: int) -> float | None:
-        """How long it has been under way to a stop; None where nobody saw it leave the one before.
-        """
+        """Seconds under way to a stop; None where nobody saw it leave the one before."""
         if self._at is not None or self._left is None:
             return None
         number, left_ns = self._left
