@@ -87,7 +87,7 @@ class Experience:
         """Of each plan's key what is not long enough ago for an earlier run."""
 
     def learn(self, seen: Taken, *, is_now: bool = True) -> None:
-        """Take what a vehicle took; breakdowns teach nothing.
+        """Take what a vehicle took; disruptions teach nothing.
 
         What is read back from a database says nothing of the traffic now (`is_now`).
         """
@@ -167,8 +167,10 @@ class Experience:
 
 
 def teachings(seen: Taken, zone: ZoneInfo) -> list[tuple[str, float]]:
-    """What a row teaches: values under the keys of what they are of; breakdowns teach nothing."""
-    taught = []
+    """What a row teaches: values under the keys of what they are of; disruptions teach nothing."""
+    taught: list[tuple[str, float]] = []
+    if seen.disruption is not None:
+        return taught
     if abs(seen.dwell_s) <= DWELL_MAX_S:
         taught.append((_dwell_key(seen.stop), seen.dwell_s))
         if not is_wait(seen.stop):
@@ -206,4 +208,7 @@ def is_wait(stop: str) -> bool:
 
 
 def _is_usual(seen: Taken) -> bool:
-    return seen.planned_s / RATIO_MAX < seen.travel_s < seen.planned_s * RATIO_MAX
+    return (
+        seen.disruption is None
+        and seen.planned_s / RATIO_MAX < seen.travel_s < seen.planned_s * RATIO_MAX
+    )
