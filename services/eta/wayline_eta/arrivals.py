@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from wayline.messages import StopArrival
 from wayline.route import Route
+from wayline_eta.experience import Expected
+from wayline_eta.leg_under_way import rest_of_leg
 from wayline_eta.lessons import Expectations
 from wayline_eta.ranges import MINUTES, SPANS
 from wayline_eta.stands import MOVING, Stand
@@ -52,6 +54,8 @@ class Outlook(NamedTuple):
     """It is seen to, all the time."""
     slower: float = 1.0
     """What the rest of its leg takes over what is usual, by its own pace."""
+    gone_s: float | None = None
+    """Since it left the stop before the next one; None where that was not seen, or is not asked."""
 
 
 class Visit(msgspec.Struct, frozen=True):
@@ -214,6 +218,12 @@ def later_of(first: tuple[float, float], second: tuple[float, float]) -> tuple[f
     return mean_s, max(square_s2 - mean_s**2, 0.0), share
 
 
+def next_stop(by: Expectations, outlook: Outlook) -> int | None:
+    """The stop that is visited next; None behind the last one."""
+    order, _ = _stops_ahead(by.legs.route, outlook.served_m)
+    return int(order[0]) if len(order) else None
+
+
 def usual_s(by: Expectations, outlook: Outlook, from_m: float) -> float:
     """What the way from a place to where the vehicle is usually takes, on the leg that it is on."""
     order, _ = _stops_ahead(by.legs.route, outlook.served_m)
@@ -227,15 +237,16 @@ def usual_s(by: Expectations, outlook: Outlook, from_m: float) -> float:
 
 
 def _rest(by: Expectations, outlook: Outlook, stop: int, visit_m: float) -> tuple[float, float]:
-    """Of the leg under way, by the share of its planned time that is still to go, and its pace."""
+    """Of the leg under way, by what of its planned time is still to go, how it began, its pace."""
     planned_s = by.legs.driven_s(max(outlook.total_m, 0.0), visit_m)
     whole_s = float(by.planned_s[stop])
     if whole_s <= 0.0:
         to_first_s = by.first_factor * planned_s
         return to_first_s, (UNSEEN_STD * to_first_s) ** 2
     share = min(planned_s / whole_s, 1.0)
-    usual_s, usual_s2 = float(by.travel_s[stop]), float(by.travel_s2[stop])
-    return outlook.slower * share * usual_s, outlook.slower**2 * share * usual_s2
+    whole = Expected(float(by.travel_s[stop]), float(by.travel_s2[stop]))
+    rest = rest_of_leg(whole, 1.0 - share, outlook.gone_s)
+    return outlook.slower * rest.seconds, outlook.slower**2 * rest.variance_s2
 
 
 def _widths_s(ahead: Ahead, stand: Stand) -> tuple[Floats, Floats]:

@@ -2,13 +2,23 @@
 
 from collections.abc import Sequence
 
+import msgspec
 import numpy as np
 
-from wayline.messages import StopArrival, StopEvent
+from wayline.messages import Disruption, StopArrival, StopEvent
 from wayline.route import Route
 from wayline_eta import leg_times
-from wayline_eta.arrivals import NORMAL_P90, Outlook, Visit, later_of, predict_visits, usual_s
+from wayline_eta.arrivals import (
+    NORMAL_P90,
+    Outlook,
+    Visit,
+    later_of,
+    next_stop,
+    predict_visits,
+    usual_s,
+)
 from wayline_eta.expected_motion import ExpectedMotion
+from wayline_eta.experience import is_wait
 from wayline_eta.forecasts import Forecast, Forecasts
 from wayline_eta.leg_times import LegTimes
 from wayline_eta.legs import Legs
@@ -23,6 +33,8 @@ FADED_NS = 60_000_000_000
 """Where nobody has taught anything: traffic that was noticed fades, and half hours pass."""
 DWELLS_SEEN = 2.0
 """At a stop, before they count for a vehicle that stands there."""
+UNKNOWN_STAND_S = 240.0
+"""Where fewer were seen a stand is no breakdown that may be usual: a layover that no plan has."""
 
 
 class Forecaster:
@@ -59,6 +71,8 @@ class Forecaster:
         self._pace.see(gone_s, outlook.t_ns, drives=outlook.drives)
         stand, slower = self._stand(by, outlook), self._pace.slower
         outlook = outlook._replace(stand=stand, slower=slower if outlook.drives else 1.0)
+        if self._legs.motion is not None:
+            outlook = outlook._replace(gone_s=self._gone_s(by, outlook))
         visits = predict_visits(by, outlook, now_ns)
         if self._forecasts.is_due(now_ns):
             for visit in visits:
@@ -82,16 +96,16 @@ class Forecaster:
         wide_s = NORMAL_P90 * variance_s2**0.5
         return Stand(max(mean_s - wide_s, 0.0), mean_s, mean_s + wide_s)
 
-    def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
-        """Take what the vehicle did at stops; what that has taught."""
-        learned = []
-        for event in happened:
-            taken = self._times.observe(event)
-            if taken is not None:
-                learned.append(self._learned(taken))
-                self._lessons.learn(learned[-1])
-                self._expected = None
-        return learned
+    def observe(self, event: StopEvent) -> list[StopEvent | Learned]:
+        """Take what the vehicle did at a stop: that, with its disruption, and what it taught."""
+        driven = self._times.observe(event)
+        if driven is None:
+            return [event]
+        learned = self._learned(driven)
+        self._lessons.learn(learned)
+        self._expected = None
+        disruption = learned.taken.disruption or event.disruption
+        return [msgspec.structs.replace(event, disruption=disruption), learned]
 
     def _expectations(self, t_ns: int) -> Expectations:
         age_ns, lessons = t_ns - self._renewed_ns, self._lessons
@@ -100,6 +114,11 @@ class Forecaster:
             self._expected = expectations(lessons, self._legs, self._plan, t_ns)
             self._renewed_ns, self._taught = t_ns, lessons.taught
         return self._expected
+
+    def _gone_s(self, by: Expectations, outlook: Outlook) -> float | None:
+        """How long it has been under way to the next stop of a timetable, which plans no more."""
+        stop = next_stop(by, outlook)
+        return None if stop is None else self._times.gone_s(stop, outlook.t_ns)
 
     def _stand(self, by: Expectations, outlook: Outlook) -> Stand:
         """How long it will still stand: at a stop without a time as long as others have stood."""
@@ -136,6 +155,25 @@ class Forecaster:
             return key, driven.dwell_s
         return self._legs.waits(driven.stop), driven.dwell_s - early_s
 
+    def _disruption(self, driven: leg_times.Taken, stood: str, stood_s: float) -> Disruption | None:
+        """A breakdown on the way to a stop or at it; both are asked of, for both count."""
+        leg, is_one = driven.leg, self._lessons.breakdowns.is_one
+        usual_s = self._usual_stand_s(stood, float(self._legs.dwells_s[driven.stop]))
+        broken = [is_one(stood, stood_s, usual_s)]
+        if leg is not None:
+            usual = self._lessons.experience.travel(leg, self._plan, driven.arrived_ns)
+            broken.append(is_one(leg.key, driven.travel_s, usual.seconds))
+        return "breakdown" if any(broken) else None
+
+    def _usual_stand_s(self, stood: str, planned_s: float) -> float:
+        """How long vehicles stand at a stop, or how late they leave it."""
+        experience = self._lessons.experience
+        if is_wait(stood):
+            return max(experience.late(stood).seconds, 0.0)
+        usual_s = experience.dwell(stood, self._plan, planned_s).seconds
+        is_known = experience.dwells_seen(stood) >= DWELLS_SEEN
+        return usual_s if is_known else max(usual_s, UNKNOWN_STAND_S)
+
     def _learned(self, driven: leg_times.Taken) -> Learned:
         leg, stop = driven.leg, self._legs.keys[driven.stop]
         stood, stood_s = self._stood(driven)
@@ -147,6 +185,7 @@ class Forecaster:
             travel_s=driven.travel_s,
             stop=stood,
             dwell_s=stood_s,
+            disruption=self._disruption(driven, stood, stood_s),
         )
         came = self._forecasts.arrive(driven.stop, driven.arrived_ns)
         return Learned(

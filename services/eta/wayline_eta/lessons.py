@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wayline.route import Route
 from wayline.timetable.model import Timetable
+from wayline_eta.breakdowns import Breakdowns
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.experience import Expected, Experience
 from wayline_eta.legs import Legs
@@ -31,6 +32,7 @@ class Lessons:
         self.zone = zone
         """Of the days that are driven alike."""
         self.experience = Experience(zone, is_timetable=is_timetable)
+        self.breakdowns = Breakdowns()
         self._ranges: dict[str, Ranges] = {}
         self.scored = scored
         self.taught = 0

@@ -101,9 +101,7 @@ class TimetableEtaCore:
             self._take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
             self._take(self._sightings.pass_time(message.t_ns))
-            happened = self._events.take()
-            learned = self._learn(happened)
-            return [*happened, *learned, *self._tell(message.t_ns, message.age_ns)]
+            return [*self._happened(), *self._tell(message.t_ns, message.age_ns)]
         return ()
 
     def _take(self, seen: Sequence[Sighting]) -> None:
@@ -132,16 +130,16 @@ class TimetableEtaCore:
         told = stop_events.of_run(run)
         self._events.note(followed.follower, _key(run), told, known=known)
 
-    def _learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
-        """What the vehicle has taught by what it did at stops: of the trip before, then of this."""
-        learned: list[Learned] = []
-        for event in happened:
+    def _happened(self) -> Iterator[StopEvent | Learned]:
+        """What the vehicle did at stops, of the trip before, then of this; and what that taught."""
+        for event in self._events.take():
             current = self._choice.current
             if current is not None and event.trip_id == current.run.trip.trip_id:
-                learned += self._forecaster_of(current.run).learn([event])
+                yield from self._forecaster_of(current.run).observe(event)
             elif self._forecaster is not None and self._is_forecast(event):
-                learned += self._forecaster.learn([event])
-        return learned
+                yield from self._forecaster.observe(event)
+            else:
+                yield event
 
     def _is_forecast(self, event: StopEvent) -> bool:
         """Whether an event is of the trip whose arrivals were forecast last."""
