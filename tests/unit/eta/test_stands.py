@@ -141,7 +141,7 @@ def test_a_stand_between_stops_is_noticed_and_its_late_bound_grows() -> None:
     assert early[1] < late[1]
     assert late[1] > 180.0
     assert after[0] < before[0]
-    assert after[1] < 40.0
+    assert after[1] < 65.0  # of the plan, with 100 s to go
 
 
 @pytest.mark.parametrize(
