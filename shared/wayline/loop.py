@@ -223,7 +223,7 @@ class Loop:
         self._show(key.vehicle_id, message, key.source, receipt)
         if key.vehicle_id != FLEET and type(message) in self._service.core_reads:
             seat = self._seats.of(key.vehicle_id)
-            seat.hear(message.t_ns, now_s)
+            seat.hear(message.t_ns, now_s, timeless=type(message) in seat.node.timeless)
             if seat.is_back:
                 log.warning("times of %s have gone back, its core starts anew", seat.vehicle_id)
                 self._publish(seat, seat.finish())
