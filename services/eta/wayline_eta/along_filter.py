@@ -43,6 +43,9 @@ SPEED_RATIO_MAX = 2.0
 """What a reported speed differs by is a leg's own, up to so many times."""
 RATE_STD = 0.04
 """Of the logarithm of a leg's pace from one report to the next."""
+TOGETHER_S = 2.5
+"""Points are put on the legs that they begin within so long together: it costs as much for one of
+them as for all. Until their instants have come they stand where those begin."""
 CONTRADICTED = 0.002
 """What is left of a point that drives where the report says that it stands, or the other way."""
 
@@ -72,7 +75,9 @@ class AlongFilter:
         self._motion = PointMotion(motion, t_ns, self._draws)
         self._points = self._beginning(total_m, std_m, speed_mps or None)
         self._ahead, self._ahead_s = self._points, 0.0
-        """As far as anything was told, in seconds since it began."""
+        """As they go on from the last report, and how far that is, in seconds since it began."""
+        self._asked_s = 0.0
+        """Of when anything was told last."""
         self._last: tuple[int, Along] | None = None
         """What was told last, of its instant: progress and arrivals ask for the same one."""
 
@@ -121,6 +126,7 @@ class AlongFilter:
             points, anew, at_s, (place_m, std_m), moves=moves, speed_mps=under_way_mps
         )
         self._ahead, self._ahead_s, self._last = self._points, at_s, None
+        self._asked_s = at_s
 
     def _beginning(self, total_m: float, std_m: float, speed_mps: float | None) -> Points:
         zeros, places_m = np.zeros(POINTS), np.full(POINTS, total_m)
@@ -179,9 +185,12 @@ class AlongFilter:
         return self._motion.rolling(points, even, at_s, places_m, rates)
 
     def _expected(self, at_s: float) -> Along:
-        if at_s < self._ahead_s:
-            self._ahead = self._points
-        self._ahead, self._ahead_s = self._motion.gone_on(self._ahead, at_s), at_s
+        if at_s < self._asked_s:
+            self._ahead, self._ahead_s = self._points, at_s
+        if at_s >= self._ahead_s:
+            self._ahead_s = at_s + TOGETHER_S
+            self._ahead = self._motion.gone_on(self._ahead, self._ahead_s)
+        self._asked_s = at_s
         return self._told(self._ahead, at_s)
 
     def _told(self, points: Points, at_s: float) -> Along:
