@@ -46,6 +46,9 @@ RATE_STD = 0.04
 TOGETHER_S = 2.5
 """Points are put on the legs that they begin within so long together: it costs as much for one of
 them as for all. Until their instants have come they stand where those begin."""
+RANKS = np.arange(POINTS, dtype=np.float64)
+STAND_RANKS = np.array((0.1, 0.5, 0.9)) * (POINTS - 1)
+"""Of the quantiles of a stand, among all points in order."""
 CONTRADICTED = 0.002
 """What is left of a point that drives where the report says that it stands, or the other way."""
 
@@ -200,7 +203,8 @@ class AlongFilter:
         if np.count_nonzero(stands) * 2 <= POINTS:
             speeds_mps = points.speeds_mps(at_s, totals_m, motion)
             return Along(middle_m, std_m, middle_of(speeds_mps[~stands]), MOVING, 0.0)
-        stand = Stand(*np.quantile(points.left_s(at_s), (0.1, 0.5, 0.9)).tolist())
+        lefts_s = np.sort(points.left_s(at_s))
+        stand = Stand(*np.interp(STAND_RANKS, RANKS, lefts_s).tolist())
         if middle_m >= motion.end_m - 0.1:
             stand = MOVING  # there is nothing that it would be late for
         return Along(middle_m, std_m, 0.0, stand, middle_of(points.stood_s(at_s)[stands]))
