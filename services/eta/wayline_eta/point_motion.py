@@ -83,10 +83,13 @@ class PointMotion:
         if stop and stop[0] <= self.motion.start_m:
             stands_s = np.maximum(stands_s, TERMINAL_S)
         stood_s = stands_s * self._draws.even()
+        (planned_s,) = self.motion.driven_s(np.array([at_m]))
         leg = points.leg._replace(
             begins_m=np.where(which, at_m, points.leg.begins_m),
             ends_m=np.where(which, at_m, points.leg.ends_m),
             comes_s=np.where(which, at_s - stood_s, points.leg.comes_s),
+            begun_s=np.where(which, planned_s, points.leg.begun_s),
+            ended_s=np.where(which, planned_s, points.leg.ended_s),
         )
         return points._replace(
             leg=leg,
