@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from wayline.messages import Disruption, StopArrival, StopEvent
 from wayline.route import Route
@@ -42,7 +41,7 @@ class Forecaster:
     """Of one vehicle, as long as it follows one route or runs one trip.
 
     `scope` names whose stop ids the route has, `plan` whose times, `sequences` the stops in stop
-    events, `leaves_ns` (shape (stops,)) the earliest departures.
+    events; `motion` is that of a timetable's trip.
     """
 
     def __init__(
@@ -53,9 +52,9 @@ class Forecaster:
         scope: str,
         plan: str,
         sequences: Sequence[int],
-        leaves_ns: NDArray[np.float64] | None = None,
+        motion: ExpectedMotion | None = None,
     ) -> None:
-        self._legs, self._lessons, self._plan = Legs(route, scope, leaves_ns), lessons, plan
+        self._legs, self._lessons, self._plan = Legs(route, scope, motion), lessons, plan
         self._times = LegTimes(self._legs, list(sequences))
         self._forecasts, self._pace = Forecasts(), OwnPace()
         self._seen_m = 0.0
@@ -64,19 +63,17 @@ class Forecaster:
         self._renewed_ns = self._taught = 0
         """When that was reckoned, and how much had been taught by then."""
 
-    def visits(
-        self, outlook: Outlook, now_ns: int, motion: ExpectedMotion | None = None
-    ) -> list[Visit]:
+    def visits(self, outlook: Outlook, now_ns: int) -> list[Visit]:
         """The visits still to come; they are remembered until they have."""
         by = self._expectations(now_ns)
         gone_s = usual_s(by, outlook, self._seen_m)
         self._seen_m = outlook.total_m
         self._pace.see(gone_s, outlook.t_ns, drives=outlook.drives)
-        stand, slower = self._stand(by, outlook, motion), self._pace.slower
+        stand, slower = self._stand(by, outlook), self._pace.slower
         outlook = outlook._replace(stand=stand, slower=slower if outlook.drives else 1.0)
-        if motion is not None:
+        if self._legs.motion is not None:
             outlook = outlook._replace(gone_s=self._gone_s(by, outlook))
-        visits = predict_visits(by, outlook, now_ns, motion)
+        visits = predict_visits(by, outlook, now_ns)
         if self._forecasts.is_due(now_ns):
             for visit in visits:
                 width_ns = visit.early_width_ns, visit.late_width_ns
@@ -123,7 +120,7 @@ class Forecaster:
         stop = next_stop(by, outlook)
         return None if stop is None else self._times.gone_s(stop, outlook.t_ns)
 
-    def _stand(self, by: Expectations, outlook: Outlook, motion: ExpectedMotion | None) -> Stand:
+    def _stand(self, by: Expectations, outlook: Outlook) -> Stand:
         """How long it will still stand: at a stop without a time as long as others have stood."""
         stands = self._times.stands(outlook.t_ns)
         if stands is None:
@@ -131,7 +128,7 @@ class Forecaster:
         stop, stood_s = stands
         if np.isfinite(self._legs.leaves_ns[stop]):
             return self._wait(by, outlook, stop)
-        if motion is not None or by.dwells_seen[stop] < DWELLS_SEEN:
+        if self._legs.motion is not None or by.dwells_seen[stop] < DWELLS_SEEN:
             return outlook.stand
         return rest_of_dwell(stood_s, float(by.dwell_s[stop]), float(by.dwell_s2[stop]))
 
@@ -153,7 +150,7 @@ class Forecaster:
         """
         key, leaves_ns = self._legs.keys[driven.stop], float(self._legs.leaves_ns[driven.stop])
         early_s = (leaves_ns - driven.arrived_ns) * 1e-9
-        planned_s = self._legs.boarding_s(driven.stop)
+        planned_s = float(self._legs.dwells_s[driven.stop])
         if early_s <= self._lessons.experience.dwell(key, self._plan, planned_s).seconds:
             return key, driven.dwell_s
         return self._legs.waits(driven.stop), driven.dwell_s - early_s
@@ -161,7 +158,7 @@ class Forecaster:
     def _disruption(self, driven: leg_times.Taken, stood: str, stood_s: float) -> Disruption | None:
         """A breakdown on the way to a stop or at it; both are asked of, for both count."""
         leg, is_one = driven.leg, self._lessons.breakdowns.is_one
-        usual_s = self._usual_stand_s(stood, self._legs.boarding_s(driven.stop))
+        usual_s = self._usual_stand_s(stood, float(self._legs.dwells_s[driven.stop]))
         broken = [is_one(stood, stood_s, usual_s)]
         if leg is not None:
             usual = self._lessons.experience.travel(leg, self._plan, driven.arrived_ns)
