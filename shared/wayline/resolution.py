@@ -4,6 +4,8 @@ import math
 
 PRESSURE_UNIT_PA = 0.1
 """Of barometers."""
+SPEED_UNIT_MPS = 1.0 / 3600.0
+"""Of wheels: buses tell km/h and hundredths of them, or hundredths of m/s; both are whole so."""
 FINEST = 1
 """A step of one unit stays one, whatever is read."""
 

@@ -33,7 +33,7 @@ CALM_FACTOR = 1.0
 """The least on that std."""
 MISSED_FACTOR = 1.1
 """On what altimeters alone tell of bends: they take some of them for noise."""
-BIAS_FACTORS = (0.6, 3.0)
+BIAS_FACTORS = (0.3, 3.0)
 """On the std of torque's bias that is configured; one run does not tell of less, nor of more."""
 
 

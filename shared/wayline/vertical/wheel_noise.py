@@ -2,7 +2,7 @@
 
 import math
 
-from wayline.resolution import Resolution
+from wayline.resolution import SPEED_UNIT_MPS, Resolution
 
 READINGS = 100.0
 """Over which the noise is learned."""
@@ -17,7 +17,7 @@ class WheelNoise:
 
     def __init__(self, held_s: float, slowest_mps: float) -> None:
         self._held_s, self._slowest_mps = held_s, slowest_mps
-        self._steps = Resolution(1e-4)
+        self._steps = Resolution(SPEED_UNIT_MPS)
         self._variance = 0.0
         self._weight = 0.0
         self._before: tuple[int, float] | None = None
