@@ -99,7 +99,7 @@ def smooth(
     if forward.is_no_such_vehicle:
         return smooth(sensed._replace(slopes=NO_SLOPES), times_s, travelled_m, tuning, passes)
     for _ in range(passes - 1):
-        start = learn(nodes.travelled_m, x, P, tuning)
+        start = learn(nodes.travelled_m, x, P, tuning, start)
         x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)
     at = nodes.asked >= 0
     order = np.argsort(nodes.asked[at])
