@@ -6,8 +6,8 @@ reads no clock. What a store answers (a road's profile after a merge, say) goes 
 core as an input.
 """
 
-from collections.abc import Sequence
-from typing import ClassVar, Protocol
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, Protocol, runtime_checkable
 
 import msgspec
 
@@ -42,4 +42,14 @@ class Store(Protocol):
 
     def save(self, record: Record) -> Sequence[msgspec.Struct]:
         """Keep a record durably before returning."""
+        ...
+
+
+@runtime_checkable
+class Choosy(Store, Protocol):
+    """A store that leaves out some of what it is given."""
+
+    @property
+    def left_out(self) -> Mapping[str, int]:
+        """How often, by reason."""
         ...

@@ -391,6 +391,7 @@ class Arrivals(Message, frozen=True, kw_only=True):
 
 
 StopEventKind = Literal["arrived", "departed", "passed", "skipped"]
+Disruption = Literal["breakdown", "detour"]
 
 
 class StopEvent(Message, frozen=True, kw_only=True):
@@ -412,6 +413,9 @@ class StopEvent(Message, frozen=True, kw_only=True):
     lap: Count = 0
     interpolated: bool = False
     """The vehicle was not seen then: the instant is reckoned from what was seen before and after"""
+    disruption: Disruption | None = None
+    """Breakdown: on the way there, or at the stop, it took five times as long as usual and five
+    minutes more; told when it leaves. Detour: the stop was left out, off the route."""
 
 
 class HorizonPoint(msgspec.Struct, frozen=True, kw_only=True):

@@ -6,7 +6,8 @@ Nothing wrong enters: the map is as good as without the sensor, and claims no mo
 import json
 import re
 import shutil
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Mapping
 from functools import reduce
 from pathlib import Path
 from typing import NamedTuple
@@ -16,12 +17,23 @@ import pytest
 
 from wayline.database import open_database
 from wayline.errors import InputError
+from wayline.vertical.driveline import REVERSED, UNJOINED
+from wayline.vertical.frozen_torque import FROZEN
+from wayline.vertical.plausible import NO_SUCH_AIR
+from wayline.vertical.trust import NO_SUCH_MASS
+from wayline_evaluation.reference import Reference
 from wayline_evaluation.replays import needed_truth
 from wayline_evaluation.slope_map_study import MapAccuracy, map_accuracy
 from wayline_replay.replay import replay
+from wayline_simulator.course import STEP_M, Halt, Surroundings
 from wayline_simulator.drive_folder import simulate
+from wayline_simulator.garage import RELIEF
+from wayline_simulator.road_plan import RoadPlan
 from wayline_simulator.scenario import Scenario, overlaid
+from wayline_simulator.vertical_alignment import join_grades
 from wayline_slope_map.export import ExportRow, export_rows
+from wayline_slope_map.left_out import COARSE, LEAPT, WALKED, LeftOut
+from wayline_slope_map.left_out_rows import every
 
 TRUCK = overlaid(
     Scenario(preset="thesis", vehicle="truck"),
@@ -36,7 +48,16 @@ class Learned(NamedTuple):
     map: MapAccuracy
     rows: list[ExportRow]
     reasons: set[tuple[str, str]]
-    """Sensors and why something of them was not used."""
+    """Sensors and why something of them was not used live."""
+    left_out: list[LeftOut]
+    """Of the map."""
+    counted: Mapping[str, int]
+    """In the summary: what of the map was left out, by reason."""
+
+    @property
+    def why(self) -> set[tuple[str | None, str]]:
+        """Sensors, None for all, and why something of them was left out of the map."""
+        return {(each.sensor, each.reason) for each in self.left_out}
 
 
 @pytest.fixture(scope="module")
@@ -100,14 +121,18 @@ def learned(drive: Path, folder: Path, *, mapping: Edit = as_is, gps: Edit = as_
         (changed / name).write_text(edit(text))
         assert edit is as_is or edit(text) != text
     url = f"sqlite:///{folder}/slope.db"
-    replay(changed, folder / "out", database_url=url)
+    summary = replay(changed, folder / "out", database_url=url)
     engine = open_database(url, "wayline_slope_map", create=False)
     rows = list(export_rows(engine))
+    with engine.connect() as connection:
+        left_out = every(connection)
     engine.dispose()
     statuses = (folder / "out" / "fusion_status.jsonl").read_text().splitlines()
     verdicts = [each for line in statuses for each in json.loads(line)["verdicts"]]
     reasons = {(each["sensor"], each["reason"]) for each in verdicts if not each["accepted"]}
-    return Learned(map_accuracy(rows, needed_truth(drive), 1), rows, reasons)
+    counted = summary.left_out["slope-map"]
+    assert counted == Counter(each.reason for each in left_out)
+    return Learned(map_accuracy(rows, needed_truth(drive), 1), rows, reasons, left_out, counted)
 
 
 def is_no_worse(found: MapAccuracy, than: MapAccuracy) -> bool:
@@ -121,20 +146,20 @@ def is_no_worse(found: MapAccuracy, than: MapAccuracy) -> bool:
         pytest.param(
             "torque",
             mapped("torque.engine_torque_pct", "scale = -1.0"),
-            "the mass would be no such vehicle's",
+            NO_SUCH_MASS,
             id="torque of the wrong sign",
         ),
         pytest.param(
             "torque",
             mapped("torque.engine_torque_pct", "scale = 0.0, offset = 30.0"),
-            "the torque does not change, however far the vehicle drives",
+            FROZEN,
             id="torque that is frozen",
         ),
-        pytest.param("torque", mapped("torque.gear", "scale = 0.0"), None, id="neutral all along"),
+        pytest.param("torque", mapped("torque.gear", "scale = 0.0"), UNJOINED, id="neutral"),
         pytest.param(
             "barometer",
             mapped("barometer.pressure_pa", "scale = 0.01"),
-            "no road has such air",
+            NO_SUCH_AIR,
             id="pressure in hPa",
         ),
     ],
@@ -146,11 +171,19 @@ def test_a_sensor_that_is_wrong_is_as_none(
     *,
     sensor: str,
     edit: Edit,
-    reason: str | None,
+    reason: str,
 ) -> None:
     found = learned(drive, tmp_path, mapping=edit)
     assert is_no_worse(found.map, without[sensor])
-    assert reason is None or (sensor, reason) in found.reasons
+    assert reason == UNJOINED or (sensor, reason) in found.reasons
+    assert found.why == {(sensor, reason)}
+    assert sum(each.length_m for each in found.left_out) > 5_000.0
+
+
+def test_of_a_drive_on_which_all_is_well_nothing_is_left_out(drive: Path, tmp_path: Path) -> None:
+    found = learned(drive, tmp_path)
+    assert found.left_out == []
+    assert found.counted == {}
 
 
 @pytest.mark.parametrize(
@@ -190,7 +223,9 @@ def test_a_barometer_in_whole_kilopascals_is_as_none(
 ) -> None:
     folder = tmp_path / "coarse"
     simulate(overlaid(TRUCK, {"barometer": {"resolution_pa": 1000.0}}), folder)
-    assert is_no_worse(learned(folder, tmp_path).map, without["barometer"])
+    found = learned(folder, tmp_path)
+    assert is_no_worse(found.map, without["barometer"])
+    assert found.why == {("barometer", COARSE)}
 
 
 WATER_M = 10_400.0
@@ -233,6 +268,10 @@ def test_a_ferry_makes_no_road_across_the_water(drive: Path, tmp_path: Path) -> 
     assert len(landed) > 50
     assert len(here) > 50
     assert len(landed) + len(here) == len(found.rows)
+    (leap,) = (each for each in found.left_out if each.reason == LEAPT)
+    assert None not in (leap.start_lat_deg, leap.end_lat_deg)
+    across_m = ((leap.end_lat_deg or 0.0) - (leap.start_lat_deg or 0.0)) * 111_200.0
+    assert across_m == pytest.approx(WATER_M, rel=0.02)
     for shore in (here, landed):
         on_road = map_accuracy(shore, truth, 1)
         assert on_road.bins > 0.9 * len(shore)
@@ -249,3 +288,77 @@ def test_a_car_park_teaches_no_road(preset: str, tmp_path: Path) -> None:
     assert steepest_pct > 10.0
     assert found.map.bins > 20
     assert found.map.rms_pct < 1.25 * found.map.std_pct
+    walked = [each for each in found.left_out if each.reason == WALKED]
+    assert sum(each.length_m for each in walked) > 1_500.0
+    assert walked[0].start_lat_deg is not None
+
+
+BACK_M = 300.0
+PARTS = ((800.0, 0.0), (700.0, 0.04), (BACK_M, 0.04), (BACK_M, 0.04), (900.0, 0.0))
+"""Lengths, and slopes of the nose: up a hill, back by 300 m, and on. The third is the way back."""
+
+
+def there_and_back(_: np.random.Generator) -> RoadPlan:
+    samples = [round(length_m / STEP_M) for length_m, _ in PARTS]
+    ends = np.cumsum(samples)
+    count = int(ends[-1]) + 1
+    backwards = np.append(np.repeat([False, False, True, False, False], samples), False)
+    slopes = np.array([slope for _, slope in PARTS])
+    return RoadPlan(
+        curvature_per_m=np.zeros(count),
+        grade=join_grades(count, ends[:-1] * STEP_M, slopes, RELIEF),
+        limits_mps=np.full(count, 16.0),
+        surroundings=np.full(count, Surroundings.OPEN, dtype=np.int8),
+        halts=[Halt(1_500.0, "turn", 3.0), Halt(1_500.0 + BACK_M, "turn", 3.0)],
+        backwards=backwards,
+    )
+
+
+@pytest.mark.parametrize(
+    ("reverse_mps", "is_told", "reason"),
+    [
+        pytest.param(2.0, True, (None, WALKED), id="slowly, told by the bus"),
+        pytest.param(6.0, True, ("torque", REVERSED), id="fast, told by the bus"),
+        pytest.param(6.0, False, (None, LEAPT), id="fast, by a bus that does not tell"),
+    ],
+)
+def test_a_drive_in_reverse_teaches_no_slope_of_the_other_way(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    *,
+    reverse_mps: float,
+    is_told: bool,
+    reason: tuple[str | None, str],
+) -> None:
+    """Up a hill, 300 m back and on: what falls is learned as falling, and no road is made up."""
+    monkeypatch.setattr("wayline_simulator.road.garage_road", there_and_back)
+    driven = {
+        "seed": 5,
+        "road": {"kind": "garage"},
+        "driver": {"reverse_mps": reverse_mps},
+        "odometer": {"reverse_reported": is_told},
+    }
+    folder = tmp_path / "there-and-back"
+    simulate(overlaid(Scenario(preset="mems", vehicle="truck"), driven), folder)
+    forgotten = r"\[route\]\npath.*\n" if is_told else r'\[route\]\npath.*\n|"torque.gear".*\n'
+    found = learned(folder, tmp_path, mapping=lambda text: re.sub(forgotten, "", text))
+    assert reason in found.why
+    errors_pct = np.abs(beside_the_hill(found.rows, needed_truth(folder)))
+    assert len(errors_pct) > 100
+    assert float(np.sqrt(np.mean(np.square(errors_pct)))) < 0.6
+    assert np.count_nonzero(errors_pct > 2.0) <= 3
+
+
+def beside_the_hill(rows: list[ExportRow], truth: Reference) -> list[float]:
+    """Errors of bins in percent; a slope that is taken for its opposite is off by 8 %.
+
+    The truth's heading is the nose's, to whose side the road rises, whichever way it goes.
+    """
+    errors_pct = []
+    for row in rows:
+        apart = np.hypot(truth.lats_deg - row.lat_deg, 0.5 * (truth.lons_deg - row.lon_deg))
+        at = int(np.argmin(apart))
+        is_with_nose = np.cos(np.radians(row.heading_deg - truth.headings_deg[at])) > 0.0
+        climb_pct = abs(float(truth.grades_pct[at]))
+        errors_pct.append(row.grade_pct - (climb_pct if is_with_nose else -climb_pct))
+    return errors_pct

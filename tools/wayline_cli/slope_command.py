@@ -33,11 +33,14 @@ def slope_export_command(
 @slope_app.command("list")
 def slope_list_command(
     database: Annotated[str, typer.Option(help="e.g. sqlite:///wayline.db")],
+    left_out: Annotated[
+        bool, typer.Option("--left-out", help="Instead, what of the drives was left out, and why.")
+    ] = False,
 ) -> None:
     """Name the runs that were merged, one a line, in order of time."""
-    from wayline_cli.slope_runs import list_runs
+    from wayline_cli.slope_runs import list_left_out, list_runs
 
-    list_runs(database, sys.stdout)
+    (list_left_out if left_out else list_runs)(database, sys.stdout)
 
 
 @slope_app.command("withdraw")

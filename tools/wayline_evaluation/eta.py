@@ -22,6 +22,17 @@ StopKey = tuple[str | None, str]
 """Trip (None on a route without, and where it is not certain) and stop."""
 
 
+EVERY_NS = 60_000_000_000
+"""What is compared with what others tell is taken so often."""
+
+
+class Beside(NamedTuple):
+    """Predictions of eta and of a yardstick, of the same arrivals at the same instants."""
+
+    told: list[Arrivals]
+    yardstick: list[Arrivals]
+
+
 class EtaScore(Score, frozen=True, kw_only=True):
     """One drive, or all together."""
 
@@ -57,6 +68,8 @@ class EtaReport(msgspec.Struct, frozen=True, kw_only=True):
     """In their order: whether predictions grow better."""
     yardstick: YardstickScore | None = None
     """Of all drives together; null where it was not asked for."""
+    timetable: YardstickScore | None = None
+    """What the timetable says in the place of one; null where there is none."""
 
 
 class EtaRun(NamedTuple):
@@ -71,6 +84,8 @@ class EtaRun(NamedTuple):
     laps: Sequence[LapScore] = ()
     beside: tuple[Sequence[Prediction], Sequence[Prediction]] | None = None
     """What was told, and what a yardstick tells."""
+    planned: tuple[Sequence[Prediction], Sequence[Prediction]] | None = None
+    """What was told, and what the timetable says."""
 
 
 def predictions_of(told: Iterable[Arrivals], events: Sequence[StopEvent]) -> list[Prediction]:
@@ -130,6 +145,7 @@ def report_of(runs: Sequence[EtaRun]) -> EtaReport:
         stops=tuple(by_stop(trials)),
         laps=tuple(lap for run in runs for lap in run.laps),
         yardstick=_beside([run.beside for run in runs if run.beside is not None]),
+        timetable=_beside([run.planned for run in runs if run.planned is not None]),
     )
 
 

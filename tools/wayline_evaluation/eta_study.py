@@ -16,7 +16,9 @@ from wayline.replayed_drive import ReplayedDrive
 from wayline.route_file import load_route
 from wayline.timetable.reading import read_timetable
 from wayline_eta.replayed import node
-from wayline_evaluation.eta import EtaReport, EtaRun, lap_score, predictions_of, report_of
+from wayline_eta.scores import Prediction
+from wayline_evaluation.eta import Beside, EtaReport, EtaRun, lap_score, predictions_of, report_of
+from wayline_evaluation.eta_timetable import promised
 from wayline_evaluation.eta_trials import CAME, errors_of, trials_from, trials_of
 from wayline_evaluation.eta_yardstick import Ask, asked, other_laps, told_streets
 from wayline_evaluation.reference import Reference
@@ -95,10 +97,9 @@ def _scored(job: Job, out: Path) -> EtaRun:
     came = _since(from_ns, events)
     progress = _since(from_ns, read_topic(out, Progress))
     on_route = {each.t_ns for each in progress if each.on_route}
-    beside = None
+    beside, planned = None, promised(told)
     if job.yardstick:
-        pair = asked(told, _yardstick(job, way, events))
-        beside = predictions_of(pair.told, came), predictions_of(pair.yardstick, came)
+        beside = asked(told, _yardstick(job, way, events))
     return EtaRun(
         name,
         predictions_of(told, came),
@@ -107,8 +108,17 @@ def _scored(job: Job, out: Path) -> EtaRun:
         len(on_route),
         trials=[errors for trial in trials if (errors := errors_of(trial, told)) is not None],
         laps=[lap_score(trial, told, came) for trial in trials],
-        beside=beside,
+        beside=_predictions_of(beside, came),
+        planned=_predictions_of(planned, came),
     )
+
+
+def _predictions_of(
+    pair: Beside | None, came: Sequence[StopEvent]
+) -> tuple[list[Prediction], list[Prediction]] | None:
+    if pair is None:
+        return None
+    return predictions_of(pair.told, came), predictions_of(pair.yardstick, came)
 
 
 def _since(from_ns: int, messages: Iterable[MessageType]) -> list[MessageType]:

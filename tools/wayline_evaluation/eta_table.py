@@ -27,7 +27,9 @@ def eta_tables(report: EtaReport) -> Iterator[Table]:
     yield _by_span(report)
     yield _by_mbta(report)
     if report.yardstick is not None:
-        yield _beside(report.yardstick)
+        yield _beside(report.yardstick, "who knows more (the yardstick)", "yardstick")
+    if report.timetable is not None:
+        yield _beside(report.timetable, "the timetable itself", "timetable")
     if report.trials:
         yield _by_stop(report)
         yield _by_trial(report)
@@ -67,11 +69,10 @@ def _by_mbta(report: EtaReport) -> Table:
     return table
 
 
-def _beside(score: YardstickScore) -> Table:
-    """A row a span: what was told once a minute beside what the yardstick tells of the same."""
-    title = "once a minute, beside who knows more (the yardstick)"
-    columns = [f"{whose}\n{what}" for whose in ("told", "yardstick") for what in COLUMNS[2:5]]
-    table = drive_table(title, (*COLUMNS[:2], *columns), ("drive",))
+def _beside(score: YardstickScore, whom: str, short: str) -> Table:
+    """A row a span: what was told once a minute beside what somebody else tells of the same."""
+    columns = [f"{whose}\n{what}" for whose in ("told", short) for what in COLUMNS[2:5]]
+    table = drive_table(f"once a minute, beside {whom}", (*COLUMNS[:2], *columns), ("drive",))
     for told, other in zip(score.told.spans, score.yardstick.spans, strict=True):
         if told.count:
             figures = [

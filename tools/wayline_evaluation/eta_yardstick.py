@@ -6,7 +6,6 @@ long all other laps took. Both are asked once a minute, of the stops of the trip
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
 import msgspec
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from wayline.messages import Arrivals, Progress, StopArrival, StopEvent
 from wayline.timetable.calendar import SECOND_NS, instant_ns
+from wayline_evaluation.eta import EVERY_NS, Beside
 from wayline_evaluation.other_laps import OtherLaps
 from wayline_evaluation.told_streets import ToldStreets
 from wayline_simulator.network.files import DayFacts, read_day_facts
@@ -24,15 +24,6 @@ from wayline_simulator.network.simulation import make_network, ride_of, traffic_
 Floats = NDArray[np.float64]
 Ask = Callable[[Arrivals], dict[str, Floats]]
 """When the vehicle may come to the stops ahead, by stop, in Unix seconds."""
-
-EVERY_NS = 60 * SECOND_NS
-
-
-class Beside(NamedTuple):
-    """Predictions of eta and of the yardstick, of the same arrivals at the same instants."""
-
-    told: list[Arrivals]
-    yardstick: list[Arrivals]
 
 
 def asked(told: Sequence[Arrivals], ask: Ask) -> Beside:

@@ -1,13 +1,15 @@
 """Runs a drive through the services' cores in one process, as fast as it can, without a bus."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
 
+from wayline.core import Choosy
 from wayline.drive_file import load_drive
 from wayline.messages import Message, Pose, Progress
+from wayline.node import Node
 from wayline.pipeline import Pipeline
 from wayline.recording import JsonLines
 from wayline.replayed_drive import ReplayedDrive
@@ -35,7 +37,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     counts: dict[str, int]
     bad_input: dict[str, int]
     left_out: dict[str, Mapping[str, int]]
-    """Left out on purpose, by source and reason."""
+    """Left out on purpose, by source and reason; by slope-map, parts of the drive."""
     warnings: list[str]
     """Sources of which nothing was read beside others, and what else a user should know."""
 
@@ -79,9 +81,8 @@ def replay(
     messages = with_outages(messages, outages) if outages else messages
     with JsonLines(out, drive.drive.vehicle_id) as lines:
         span = _Span(lines.write)
-        pipeline = Pipeline(
-            nodes(ReplayedDrive(drive, routes, database_url, timetables)), span.publish
-        )
+        behind = nodes(ReplayedDrive(drive, routes, database_url, timetables))
+        pipeline = Pipeline(behind, span.publish)
         for number, received in enumerate(messages):
             pipeline.feed(received.message, received.source)
             if number % REPORT_EVERY == 0:
@@ -95,13 +96,20 @@ def replay(
         elapsed_s=time.perf_counter() - started,
         counts=lines.counts,
         bad_input=stream.bad_input,
-        left_out=stream.left_out,
+        left_out={**stream.left_out, **dict(_left_out(behind))},
         warnings=[
             *stream.warnings,
             *timetable_warnings(timetables, assigned),
             *_without_trip(timetables, lines.counts),
         ],
     )
+
+
+def _left_out(nodes: Iterable[Node]) -> Iterator[tuple[str, Mapping[str, int]]]:
+    """What stores have left out of what they keep, by the node's name."""
+    for node in nodes:
+        if isinstance(node.store, Choosy):
+            yield node.name, node.store.left_out
 
 
 def _without_trip(timetables: Sequence[Timetable], counts: Mapping[str, int]) -> Iterator[str]:

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from wayline.messages import StopArrival
 from wayline.route import Route
-from wayline_eta.expected_motion import ExpectedMotion
+from wayline_eta.experience import Expected
+from wayline_eta.leg_under_way import rest_of_leg
 from wayline_eta.lessons import Expectations
 from wayline_eta.ranges import MINUTES, SPANS
 from wayline_eta.stands import MOVING, Stand
@@ -33,8 +34,6 @@ UNSEEN_STD = 0.2
 """Of the time to the first stop of a route, in shares of it."""
 UNTOLD_STD_S = 12.0
 """Of what a vehicle stands at a stop, and before lights, where no dwell is planned."""
-UNDER_WAY_M = 30.0
-"""A vehicle so far behind a stop has left it."""
 NORMAL = NormalDist()
 ENDS_MIN = np.array(MINUTES)
 NORMAL_P90 = 1.281_551_6
@@ -55,6 +54,8 @@ class Outlook(NamedTuple):
     """It is seen to, all the time."""
     slower: float = 1.0
     """What the rest of its leg takes over what is usual, by its own pace."""
+    gone_s: float | None = None
+    """Since it left the stop before the next one; None where that was not seen, or is not asked."""
 
 
 class Visit(msgspec.Struct, frozen=True):
@@ -101,22 +102,19 @@ def told_arrivals(route: Route, visits: list[Visit]) -> tuple[StopArrival, ...]:
     )
 
 
-def predict_visits(
-    by: Expectations, outlook: Outlook, now_ns: int, motion: ExpectedMotion | None = None
-) -> list[Visit]:
+def predict_visits(by: Expectations, outlook: Outlook, now_ns: int) -> list[Visit]:
     """The next visit of every stop still to come, soonest first, each stop once.
 
-    With the motion of a trip its vehicle leaves no stop before its time, and reaches the one that
-    it is under way to before the dwell that the running time there holds. What an outlook older
-    than `now_ns` puts into the past is due now.
+    The vehicle of a timetable's trip leaves no stop before its time. What an outlook older than
+    `now_ns` puts into the past is due now.
     """
-    route = by.route
+    route = by.legs.route
     if not route.stops:
         return []
     order, visits_m = _stops_ahead(route, outlook.served_m)
     if not len(order):
         return []
-    ahead = _times(by, outlook, order, visits_m, motion)
+    ahead = _times(by, outlook, order, visits_m)
     earlier_s, later_s = _widths_s(ahead, outlook.stand)
     is_learned = np.logical_and.accumulate(by.is_driven[order])
     span = ENDS_MIN.searchsorted(ahead.arrivals_s / 60.0, side="right") + SPANS * is_learned
@@ -162,32 +160,23 @@ def _stops_ahead(route: Route, served_m: float) -> tuple[NDArray[np.intp], Float
     return order, visits_m[order]
 
 
-def _times(
-    by: Expectations,
-    outlook: Outlook,
-    order: NDArray[np.intp],
-    visits_m: Floats,
-    motion: ExpectedMotion | None,
-) -> Ahead:
+def _times(by: Expectations, outlook: Outlook, order: NDArray[np.intp], visits_m: Floats) -> Ahead:
     """What is left of the leg under way, then dwells and legs; departures wait for their time."""
     travels_s, travels_s2 = by.travel_s[order], by.travel_s2[order]
     travels_s[0], travels_s2[0] = _rest(by, outlook, int(order[0]), float(visits_m[0]))
     dwells_s, dwells_s2 = by.dwell_s[order], by.dwell_s2[order]
-    begins_s, begins_s2 = outlook.stand.left_s, _place_s(by.route, outlook) ** 2
-    if motion is None:
+    begins_s, begins_s2 = outlook.stand.left_s, _place_s(by.legs.route, outlook) ** 2
+    if by.legs.motion is None:
         departures_s = begins_s + (travels_s + dwells_s).cumsum()
         arrivals_s = departures_s - dwells_s
         variances_s2 = begins_s2 + (travels_s2 + dwells_s2).cumsum() - dwells_s2
         shared_s2 = (RUN_STD * travels_s.cumsum()) ** 2
         return Ahead(arrivals_s, departures_s, variances_s2 + shared_s2)
-    earliest_s = (motion.stop_leaves_ns[order] - outlook.t_ns) * 1e-9
-    if motion.is_untold:
+    if by.legs.motion.is_untold:
         travels_s2 = travels_s2 + np.where(by.is_driven[order], 0.0, UNTOLD_STD_S**2)
+    earliest_s = (by.legs.leaves_ns[order] - outlook.t_ns) * 1e-9
     leaves = earliest_s + by.late_s[order], by.late_s2[order]
-    ahead = _waiting((begins_s, begins_s2), (travels_s, travels_s2), (dwells_s, dwells_s2), leaves)
-    if not by.is_driven[order[0]] and order[0] < len(by.route.stops) - 1:
-        ahead.arrivals_s[0] -= _untold_dwell_s(motion, outlook, float(visits_m[0]))
-    return ahead
+    return _waiting((begins_s, begins_s2), (travels_s, travels_s2), (dwells_s, dwells_s2), leaves)
 
 
 def _waiting(
@@ -229,28 +218,35 @@ def later_of(first: tuple[float, float], second: tuple[float, float]) -> tuple[f
     return mean_s, max(square_s2 - mean_s**2, 0.0), share
 
 
+def next_stop(by: Expectations, outlook: Outlook) -> int | None:
+    """The stop that is visited next; None behind the last one."""
+    order, _ = _stops_ahead(by.legs.route, outlook.served_m)
+    return int(order[0]) if len(order) else None
+
+
 def usual_s(by: Expectations, outlook: Outlook, from_m: float) -> float:
     """What the way from a place to where the vehicle is usually takes, on the leg that it is on."""
-    order, _ = _stops_ahead(by.route, outlook.served_m)
+    order, _ = _stops_ahead(by.legs.route, outlook.served_m)
     if not len(order) or outlook.total_m <= from_m:
         return 0.0
-    ends_s = by.route.time_at(np.array([from_m, outlook.total_m]))
-    planned_s, whole_s = float(ends_s[1] - ends_s[0]), float(by.planned_s[order[0]])
+    planned_s = by.legs.driven_s(from_m, outlook.total_m)
+    whole_s = float(by.planned_s[order[0]])
     return planned_s * (
         float(by.travel_s[order[0]]) / whole_s if whole_s > 0.0 else by.first_factor
     )
 
 
 def _rest(by: Expectations, outlook: Outlook, stop: int, visit_m: float) -> tuple[float, float]:
-    """Of the leg under way, by the share of its planned time that is still to go, and its pace."""
-    ends_s = by.route.time_at(np.array([max(outlook.total_m, 0.0), visit_m]))
-    planned_s, whole_s = max(float(ends_s[1] - ends_s[0]), 0.0), float(by.planned_s[stop])
+    """Of the leg under way, by what of its planned time is still to go, how it began, its pace."""
+    planned_s = by.legs.driven_s(max(outlook.total_m, 0.0), visit_m)
+    whole_s = float(by.planned_s[stop])
     if whole_s <= 0.0:
         to_first_s = by.first_factor * planned_s
         return to_first_s, (UNSEEN_STD * to_first_s) ** 2
     share = min(planned_s / whole_s, 1.0)
-    usual_s, usual_s2 = float(by.travel_s[stop]), float(by.travel_s2[stop])
-    return outlook.slower * share * usual_s, outlook.slower**2 * share * usual_s2
+    whole = Expected(float(by.travel_s[stop]), float(by.travel_s2[stop]))
+    rest = rest_of_leg(whole, 1.0 - share, outlook.gone_s)
+    return outlook.slower * rest.seconds, outlook.slower**2 * rest.variance_s2
 
 
 def _widths_s(ahead: Ahead, stand: Stand) -> tuple[Floats, Floats]:
@@ -265,13 +261,6 @@ def _widths_s(ahead: Ahead, stand: Stand) -> tuple[Floats, Floats]:
         np.hypot(earlier_s, stand.left_s - stand.early_s),
         np.hypot(later_s, stand.late_s - stand.left_s),
     )
-
-
-def _untold_dwell_s(motion: ExpectedMotion, outlook: Outlook, visit_m: float) -> float:
-    """Of the running time to the next stop what the vehicle will stand there; 0 before it drives"""
-    if outlook.stand.left_s > 0.0 or motion.stop_near(outlook.total_m, 0.0, UNDER_WAY_M):
-        return 0.0
-    return motion.untold_s(visit_m, outlook.total_m)
 
 
 def _place_s(route: Route, outlook: Outlook) -> float:

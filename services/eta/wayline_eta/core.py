@@ -1,6 +1,6 @@
 """Pure: poses (or fixes) of one vehicle into its progress and arrivals on the best route."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 import msgspec
@@ -59,8 +59,7 @@ class EtaCore:
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
             self._on_routes.take(self._sightings.pass_time(message.t_ns))
             told = self._on_routes.tell(message.t_ns, message.age_ns)
-            happened = self._on_routes.events.take()
-            return [*happened, *self._on_routes.learn(happened), *told]
+            return [*self._on_routes.happened(), *told]
         return ()
 
 
@@ -141,14 +140,15 @@ class OnRoutes:
             if sighting.reported:
                 self._follow(sighting)
 
-    def learn(self, happened: Sequence[StopEvent]) -> Sequence[Record]:
-        """What the vehicle has taught by what it did at the stops of its route, once it is sure."""
+    def happened(self) -> Iterator[StopEvent | Record]:
+        """What the vehicle did at stops, and what it taught by that once its route is sure."""
         current = self._choice.current
-        if current is None or self._choice.rivals:
-            return []
-        route_id = current.route.route_id
-        events = [each for each in happened if each.route_id == route_id]
-        return self._forecaster_of(current).learn(events)
+        for event in self.events.take():
+            is_sure = current is not None and not self._choice.rivals
+            if is_sure and current is not None and event.route_id == current.route.route_id:
+                yield from self._forecaster_of(current).observe(event)
+            else:
+                yield event
 
     def tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
         """Progress and arrivals at a whole second while the vehicle is seen.

@@ -1,7 +1,8 @@
 """Pure: how vehicles that nobody sees go on along a route: by its plan, at their own pace.
 
 They drive at the planned speeds times their pace and stand at every stop for its dwell. Plans
-without dwells (most timetables) have them in their running times, from where they are taken.
+without dwells (most timetables) have them in their running times, from where they are taken: who
+comes to a stop at its time stands there within what is planned to the next one.
 """
 
 from functools import cached_property
@@ -17,16 +18,13 @@ Indices = NDArray[np.intp]
 
 UNTOLD_DWELL_S = 20.0
 UNTOLD_SHARE = 1.0 / 3.0
-"""A stop without a planned dwell takes so much of the running time to it, the lesser of the two."""
+"""A stop without a planned dwell takes so much of the running time from it, the lesser of both."""
 RATE_MPS2 = 2.0
 """Speeding up and braking, of a bus with standing passengers."""
 HURRY_MAX = 1.2
 TINY_S = 1e-3
 ENDS_WITHIN_M = 50.0
 """A line that goes on no farther behind its last stop ends there."""
-MINUTE_S = 60.0
-SMOOTH_S = 300.0
-"""Running times in whole minutes say little of one leg: so much of the plan around it counts."""
 
 
 class ExpectedMotion:
@@ -42,7 +40,7 @@ class ExpectedMotion:
             leaves_ns = np.full(len(route.stops), -np.inf)
         self.stop_leaves_ns = leaves_ns
         """Of every stop of the route, in its order."""
-        self.stops_m, self._planned_s, self.leaves_ns = _once(route, leaves_ns)
+        self.stops_m, self._planned_s, self.leaves_ns, self._place_of = _once(route, leaves_ns)
 
     @property
     def start_m(self) -> float:
@@ -100,12 +98,6 @@ class ExpectedMotion:
             return None
         return float(places_m[0]), int(which[0])
 
-    def untold_s(self, stop_m: float, from_m: float) -> float:
-        """How much of the planned time from a place to the next stop is not driven."""
-        planned_s = self._route.time_at(np.array([from_m, stop_m]))
-        driven_s = self.driven_s(np.array([from_m, stop_m]))
-        return max(float(np.diff(planned_s)[0] - np.diff(driven_s)[0]), 0.0)
-
     def speeds_mps(self, totals_m: Floats) -> Floats:
         """Planned speeds under way at distances, shape (n,)."""
         withins_m = totals_m % self._route.length_m if self._route.loop else totals_m
@@ -121,17 +113,28 @@ class ExpectedMotion:
     @cached_property
     def dwells_s(self) -> Floats:
         """Shape (stops,). Where a vehicle waits for its time the plan's dwell is mostly that."""
-        dwells_s = np.where(self._is_untold, self._untold_s, self._planned_s)
+        dwells_s = self._planned_s + self._untold_s
         waits = np.isfinite(self.leaves_ns)
         return np.where(waits, np.minimum(dwells_s, BOARDING_S), dwells_s)
 
     @cached_property
+    def stop_dwells_s(self) -> Floats:
+        """Of every stop of the route, in its order; of those at one place the last one has it."""
+        dwells_s = self.dwells_s[self._place_of]
+        dwells_s[:-1][np.diff(self._place_of) == 0] = 0.0
+        return dwells_s
+
+    @cached_property
     def may_be_skipped(self) -> NDArray[np.bool_]:
         """Shape (stops,): neither a timepoint nor where an open route begins or ends."""
-        may = ~np.isfinite(self.leaves_ns)
-        if not self._route.loop and len(may):
-            may[[0, -1]] = False
-        return np.asarray(may)
+        return self._is_on_the_way & ~np.isfinite(self.leaves_ns)
+
+    @cached_property
+    def _is_on_the_way(self) -> NDArray[np.bool_]:
+        on_the_way = np.ones(len(self.stops_m), dtype=np.bool_)
+        if not self._route.loop:
+            on_the_way[:1] = on_the_way[-1:] = False
+        return on_the_way
 
     @cached_property
     def hurries(self) -> Floats:
@@ -158,7 +161,7 @@ class ExpectedMotion:
     @property
     def is_untold(self) -> bool:
         """Whether dwells are not in the plan, so that they are guessed."""
-        return bool(np.any(self._is_untold))
+        return bool(np.any(self._untold_s > 0.0))
 
     @cached_property
     def _times_s(self) -> Floats:
@@ -173,35 +176,24 @@ class ExpectedMotion:
         return np.unique(np.concatenate((line.distances_m, within_m)))
 
     @cached_property
-    def _is_untold(self) -> NDArray[np.bool_]:
-        """Stops whose dwell is part of the running time to them: most have none of their own."""
-        inner = self._planned_s[1:-1] if len(self._planned_s) > 2 else self._planned_s
-        if np.count_nonzero(inner > 0.0) * 2 > len(inner):
-            return np.zeros(len(self._planned_s), dtype=np.bool_)
-        return np.asarray(self._planned_s <= 0.0)
+    def _untold_s(self) -> Floats:
+        """Dwells that the running times from the stops hold: most stops have none of their own."""
+        told = self._planned_s > 0.0
+        if np.count_nonzero(told & self._is_on_the_way) * 2 > np.count_nonzero(self._is_on_the_way):
+            return np.zeros(len(told))
+        untold_s = np.minimum(UNTOLD_DWELL_S, UNTOLD_SHARE * np.roll(self._legs_s, -1))
+        untold_s[told] = 0.0
+        if not self._route.loop:
+            untold_s[-1:] = 0.0
+            untold_s[:1][np.isfinite(self.leaves_ns[:1])] = 0.0  # it leaves there at its time
+        return untold_s
 
     @cached_property
     def _legs_s(self) -> Floats:
         """Planned running time to every stop from the one before, shape (stops,)."""
-        return np.diff(self._route.time_at(self.stops_m), prepend=0.0)
-
-    @cached_property
-    def _untold_s(self) -> Floats:
-        return np.minimum(UNTOLD_DWELL_S, UNTOLD_SHARE * self._smoothed_s)
-
-    @cached_property
-    def _smoothed_s(self) -> Floats:
-        """Running times to the stops; of plans in whole minutes those of the stops around."""
-        legs_s = self._legs_s
-        times_s = np.cumsum(legs_s + self._planned_s)
-        odd_s = np.abs((times_s + MINUTE_S / 2.0) % MINUTE_S - MINUTE_S / 2.0)
-        if len(legs_s) < 3 or np.any(odd_s > 1.0):
-            return legs_s
-        lengths_m = np.diff(self.stops_m, prepend=0.0)
-        middles_s = times_s - legs_s / 2.0
-        near = np.abs(middles_s[:, None] - middles_s[None, :]) <= SMOOTH_S
-        per_m = (near @ legs_s) / np.maximum(near @ lengths_m, 1.0)
-        return np.asarray(per_m * lengths_m)
+        times_s = self._route.time_at(self.stops_m)
+        begins_s = times_s[-1:] - self._route.duration_s if self._route.loop else 0.0
+        return np.diff(times_s, prepend=begins_s)
 
     @cached_property
     def _speeds_mps(self) -> Floats:
@@ -212,17 +204,21 @@ class ExpectedMotion:
         speeds_mps = self._route.speeds_mps[legs]
         if not len(self.stops_m):
             return np.asarray(speeds_mps)
-        driving_s = self._smoothed_s - np.where(self._is_untold, self._untold_s, 0.0)
+        driving_s = self._legs_s - np.roll(self._untold_s, 1)
         factors = np.where(driving_s > 0.0, self._legs_s / np.maximum(driving_s, 1e-9), 1.0)
-        section = np.minimum(np.searchsorted(self.stops_m, middles_m), len(factors) - 1)
-        return np.asarray(speeds_mps * factors[section])
+        leg = np.searchsorted(self.stops_m, middles_m)
+        leg = leg % len(factors) if self._route.loop else np.minimum(leg, len(factors) - 1)
+        return np.asarray(speeds_mps * factors[leg])
 
 
-def _once(route: Route, leaves_ns: Floats) -> tuple[Floats, Floats, Floats]:
-    """Places of the stops, rising, each once, with its longest dwell and its last departure."""
+def _once(route: Route, leaves_ns: Floats) -> tuple[Floats, Floats, Floats, Indices]:
+    """Places of the stops, rising, each once, with its longest dwell and its last departure.
+
+    And which of them each stop of the route is at.
+    """
     places_m = np.round(route.stop_distances_m, 2)
-    once_m, first = np.unique(places_m, return_inverse=True)
+    once_m, place_of = np.unique(places_m, return_inverse=True)
     dwells_s, latest_ns = np.zeros(len(once_m)), np.full(len(once_m), -np.inf)
-    np.maximum.at(dwells_s, first, route.stop_dwells_s)
-    np.maximum.at(latest_ns, first, leaves_ns)
-    return once_m, dwells_s, latest_ns
+    np.maximum.at(dwells_s, place_of, route.stop_dwells_s)
+    np.maximum.at(latest_ns, place_of, leaves_ns)
+    return once_m, dwells_s, latest_ns, place_of

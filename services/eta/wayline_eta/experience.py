@@ -4,7 +4,7 @@ Travel is the logarithm of time taken over time planned, a leg's by half hour an
 level is held to the one above by as much as it knows less: half hour, class of day, leg, plan. How
 the plan's other legs went on earlier runs says how wrong it is; how they have just gone does not: a
 run that is slow here is quick there. On top comes what traffic is now: how much slower than usual
-a leg was for whoever drove it last, which fades within `CONGESTION_S`.
+a leg was for whoever drove it last, which fades within twenty minutes (`congestion.py`).
 """
 
 import math
@@ -12,6 +12,7 @@ from collections import defaultdict, deque
 from typing import NamedTuple
 from zoneinfo import ZoneInfo
 
+from wayline_eta.congestion import Congestion
 from wayline_eta.day_slots import slot_of
 from wayline_eta.forgetful import Forgetful
 from wayline_eta.legs import Leg
@@ -32,8 +33,6 @@ LEG_STD = 0.12
 PRIOR_RUNS = 4.0
 PLAN_STD, TIMETABLE_STD = 0.14, 0.12
 """Of the logarithm of what nobody has driven, from its plan."""
-CONGESTION_STD = 0.10
-CONGESTION_S = 1_200.0
 RATIO_MAX = 20.0
 """A leg that took so many times its plan is a breakdown or a detour, and so is its inverse."""
 DWELL_MAX_S = 1_200.0
@@ -52,27 +51,6 @@ class Expected(NamedTuple):
     variance_s2: float
 
 
-class Congestion(NamedTuple):
-    """How much slower than usual a leg is, as a logarithm (a scalar Kalman filter)."""
-
-    t_ns: int = 0
-    mean: float = 0.0
-    variance: float = CONGESTION_STD**2
-
-    def at(self, t_ns: int) -> "Congestion":
-        """Later: it fades, and nobody knows better than before."""
-        kept = math.exp(-max(t_ns - self.t_ns, 0) * 1e-9 / CONGESTION_S)
-        unknown = (1.0 - kept**2) * CONGESTION_STD**2
-        return Congestion(max(t_ns, self.t_ns), kept * self.mean, kept**2 * self.variance + unknown)
-
-    def measured(self, off: float, variance: float) -> "Congestion":
-        """After a run that was off from what is usual."""
-        gain = self.variance / (self.variance + variance)
-        return Congestion(
-            self.t_ns, self.mean + gain * (off - self.mean), (1.0 - gain) * self.variance
-        )
-
-
 class Experience:
     """Of all vehicles of a process. `is_timetable` says that plans are a timetable's times."""
 
@@ -87,7 +65,7 @@ class Experience:
         """Of each plan's key what is not long enough ago for an earlier run."""
 
     def learn(self, seen: Taken, *, is_now: bool = True) -> None:
-        """Take what a vehicle took; breakdowns teach nothing.
+        """Take what a vehicle took; disruptions teach nothing.
 
         What is read back from a database says nothing of the traffic now (`is_now`).
         """
@@ -167,8 +145,10 @@ class Experience:
 
 
 def teachings(seen: Taken, zone: ZoneInfo) -> list[tuple[str, float]]:
-    """What a row teaches: values under the keys of what they are of; breakdowns teach nothing."""
-    taught = []
+    """What a row teaches: values under the keys of what they are of; disruptions teach nothing."""
+    taught: list[tuple[str, float]] = []
+    if seen.disruption is not None:
+        return taught
     if abs(seen.dwell_s) <= DWELL_MAX_S:
         taught.append((_dwell_key(seen.stop), seen.dwell_s))
         if not is_wait(seen.stop):
@@ -206,4 +186,7 @@ def is_wait(stop: str) -> bool:
 
 
 def _is_usual(seen: Taken) -> bool:
-    return seen.planned_s / RATIO_MAX < seen.travel_s < seen.planned_s * RATIO_MAX
+    return (
+        seen.disruption is None
+        and seen.planned_s / RATIO_MAX < seen.travel_s < seen.planned_s * RATIO_MAX
+    )

@@ -2,14 +2,23 @@
 
 from collections.abc import Sequence
 
+import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
-from wayline.messages import StopArrival, StopEvent
+from wayline.messages import Disruption, StopArrival, StopEvent
 from wayline.route import Route
 from wayline_eta import leg_times
-from wayline_eta.arrivals import NORMAL_P90, Outlook, Visit, later_of, predict_visits, usual_s
+from wayline_eta.arrivals import (
+    NORMAL_P90,
+    Outlook,
+    Visit,
+    later_of,
+    next_stop,
+    predict_visits,
+    usual_s,
+)
 from wayline_eta.expected_motion import ExpectedMotion
+from wayline_eta.experience import is_wait
 from wayline_eta.forecasts import Forecast, Forecasts
 from wayline_eta.leg_times import LegTimes
 from wayline_eta.legs import Legs
@@ -24,13 +33,15 @@ FADED_NS = 60_000_000_000
 """Where nobody has taught anything: traffic that was noticed fades, and half hours pass."""
 DWELLS_SEEN = 2.0
 """At a stop, before they count for a vehicle that stands there."""
+UNKNOWN_STAND_S = 240.0
+"""Where fewer were seen a stand is no breakdown that may be usual: a layover that no plan has."""
 
 
 class Forecaster:
     """Of one vehicle, as long as it follows one route or runs one trip.
 
     `scope` names whose stop ids the route has, `plan` whose times, `sequences` the stops in stop
-    events, `leaves_ns` (shape (stops,)) the earliest departures.
+    events; `motion` is that of a timetable's trip.
     """
 
     def __init__(
@@ -41,9 +52,9 @@ class Forecaster:
         scope: str,
         plan: str,
         sequences: Sequence[int],
-        leaves_ns: NDArray[np.float64] | None = None,
+        motion: ExpectedMotion | None = None,
     ) -> None:
-        self._legs, self._lessons, self._plan = Legs(route, scope, leaves_ns), lessons, plan
+        self._legs, self._lessons, self._plan = Legs(route, scope, motion), lessons, plan
         self._times = LegTimes(self._legs, list(sequences))
         self._forecasts, self._pace = Forecasts(), OwnPace()
         self._seen_m = 0.0
@@ -52,17 +63,17 @@ class Forecaster:
         self._renewed_ns = self._taught = 0
         """When that was reckoned, and how much had been taught by then."""
 
-    def visits(
-        self, outlook: Outlook, now_ns: int, motion: ExpectedMotion | None = None
-    ) -> list[Visit]:
+    def visits(self, outlook: Outlook, now_ns: int) -> list[Visit]:
         """The visits still to come; they are remembered until they have."""
         by = self._expectations(now_ns)
         gone_s = usual_s(by, outlook, self._seen_m)
         self._seen_m = outlook.total_m
         self._pace.see(gone_s, outlook.t_ns, drives=outlook.drives)
-        stand, slower = self._stand(by, outlook, motion), self._pace.slower
+        stand, slower = self._stand(by, outlook), self._pace.slower
         outlook = outlook._replace(stand=stand, slower=slower if outlook.drives else 1.0)
-        visits = predict_visits(by, outlook, now_ns, motion)
+        if self._legs.motion is not None:
+            outlook = outlook._replace(gone_s=self._gone_s(by, outlook))
+        visits = predict_visits(by, outlook, now_ns)
         if self._forecasts.is_due(now_ns):
             for visit in visits:
                 width_ns = visit.early_width_ns, visit.late_width_ns
@@ -85,16 +96,16 @@ class Forecaster:
         wide_s = NORMAL_P90 * variance_s2**0.5
         return Stand(max(mean_s - wide_s, 0.0), mean_s, mean_s + wide_s)
 
-    def learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
-        """Take what the vehicle did at stops; what that has taught."""
-        learned = []
-        for event in happened:
-            taken = self._times.observe(event)
-            if taken is not None:
-                learned.append(self._learned(taken))
-                self._lessons.learn(learned[-1])
-                self._expected = None
-        return learned
+    def observe(self, event: StopEvent) -> list[StopEvent | Learned]:
+        """Take what the vehicle did at a stop: that, with its disruption, and what it taught."""
+        driven = self._times.observe(event)
+        if driven is None:
+            return [event]
+        learned = self._learned(driven)
+        self._lessons.learn(learned)
+        self._expected = None
+        disruption = learned.taken.disruption or event.disruption
+        return [msgspec.structs.replace(event, disruption=disruption), learned]
 
     def _expectations(self, t_ns: int) -> Expectations:
         age_ns, lessons = t_ns - self._renewed_ns, self._lessons
@@ -104,7 +115,12 @@ class Forecaster:
             self._renewed_ns, self._taught = t_ns, lessons.taught
         return self._expected
 
-    def _stand(self, by: Expectations, outlook: Outlook, motion: ExpectedMotion | None) -> Stand:
+    def _gone_s(self, by: Expectations, outlook: Outlook) -> float | None:
+        """How long it has been under way to the next stop of a timetable, which plans no more."""
+        stop = next_stop(by, outlook)
+        return None if stop is None else self._times.gone_s(stop, outlook.t_ns)
+
+    def _stand(self, by: Expectations, outlook: Outlook) -> Stand:
         """How long it will still stand: at a stop without a time as long as others have stood."""
         stands = self._times.stands(outlook.t_ns)
         if stands is None:
@@ -112,7 +128,7 @@ class Forecaster:
         stop, stood_s = stands
         if np.isfinite(self._legs.leaves_ns[stop]):
             return self._wait(by, outlook, stop)
-        if motion is not None or by.dwells_seen[stop] < DWELLS_SEEN:
+        if self._legs.motion is not None or by.dwells_seen[stop] < DWELLS_SEEN:
             return outlook.stand
         return rest_of_dwell(stood_s, float(by.dwell_s[stop]), float(by.dwell_s2[stop]))
 
@@ -134,10 +150,29 @@ class Forecaster:
         """
         key, leaves_ns = self._legs.keys[driven.stop], float(self._legs.leaves_ns[driven.stop])
         early_s = (leaves_ns - driven.arrived_ns) * 1e-9
-        planned_s = self._legs.boarding_s(driven.stop)
+        planned_s = float(self._legs.dwells_s[driven.stop])
         if early_s <= self._lessons.experience.dwell(key, self._plan, planned_s).seconds:
             return key, driven.dwell_s
         return self._legs.waits(driven.stop), driven.dwell_s - early_s
+
+    def _disruption(self, driven: leg_times.Taken, stood: str, stood_s: float) -> Disruption | None:
+        """A breakdown on the way to a stop or at it; both are asked of, for both count."""
+        leg, is_one = driven.leg, self._lessons.breakdowns.is_one
+        usual_s = self._usual_stand_s(stood, float(self._legs.dwells_s[driven.stop]))
+        broken = [is_one(stood, stood_s, usual_s)]
+        if leg is not None:
+            usual = self._lessons.experience.travel(leg, self._plan, driven.arrived_ns)
+            broken.append(is_one(leg.key, driven.travel_s, usual.seconds))
+        return "breakdown" if any(broken) else None
+
+    def _usual_stand_s(self, stood: str, planned_s: float) -> float:
+        """How long vehicles stand at a stop, or how late they leave it."""
+        experience = self._lessons.experience
+        if is_wait(stood):
+            return max(experience.late(stood).seconds, 0.0)
+        usual_s = experience.dwell(stood, self._plan, planned_s).seconds
+        is_known = experience.dwells_seen(stood) >= DWELLS_SEEN
+        return usual_s if is_known else max(usual_s, UNKNOWN_STAND_S)
 
     def _learned(self, driven: leg_times.Taken) -> Learned:
         leg, stop = driven.leg, self._legs.keys[driven.stop]
@@ -150,6 +185,7 @@ class Forecaster:
             travel_s=driven.travel_s,
             stop=stood,
             dwell_s=stood_s,
+            disruption=self._disruption(driven, stood, stood_s),
         )
         came = self._forecasts.arrive(driven.stop, driven.arrived_ns)
         return Learned(

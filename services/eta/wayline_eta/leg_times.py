@@ -39,6 +39,14 @@ class LegTimes:
         number, since_ns = self._at
         return number % len(self._stops), max(t_ns - since_ns, 0) * 1e-9
 
+    def gone_s(self, stop: int, t_ns: int) -> float | None:
+        """Seconds under way to a stop; None where nobody saw it leave the one before."""
+        if self._at is not None or self._left is None:
+            return None
+        number, left_ns = self._left
+        is_next = (number + 1) % len(self._stops) == stop
+        return max(t_ns - left_ns, 0) * 1e-9 if is_next else None
+
     def observe(self, event: StopEvent) -> Taken | None:
         """Take what has happened; what it took, once a stop is over."""
         stop = self._stops.get(event.stop_sequence)

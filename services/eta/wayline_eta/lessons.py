@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from wayline.route import Route
 from wayline.timetable.model import Timetable
+from wayline_eta.breakdowns import Breakdowns
+from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.experience import Expected, Experience
 from wayline_eta.legs import Legs
 from wayline_eta.ranges import Ranges
@@ -30,6 +32,7 @@ class Lessons:
         self.zone = zone
         """Of the days that are driven alike."""
         self.experience = Experience(zone, is_timetable=is_timetable)
+        self.breakdowns = Breakdowns()
         self._ranges: dict[str, Ranges] = {}
         self.scored = scored
         self.taught = 0
@@ -60,7 +63,7 @@ class Lessons:
 class Expectations(NamedTuple):
     """What is expected on one route from an instant on; one number a stop, shape (stops,)."""
 
-    route: Route
+    legs: Legs
     planned_s: Floats
     """Of the leg to each stop; 0 to the first of an open route."""
     travel_s: Floats
@@ -95,7 +98,7 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
         if leg is not None:
             expected = experience.travel(leg, plan, t_ns, ahead_s)
         travels.append(expected)
-        dwells.append(experience.dwell(legs.keys[at], plan, legs.boarding_s(at)))
+        dwells.append(experience.dwell(legs.keys[at], plan, float(legs.dwells_s[at])))
         lates.append(experience.late(legs.waits(at)))
         ahead_s += expected.seconds + dwells[-1].seconds
     scales = lessons.ranges_of(plan).scales()
@@ -103,7 +106,7 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
     late_s, late_s2 = np.array(lates, dtype=np.float64).reshape(-1, 2).T
     dwell_s, dwell_s2 = np.array(dwells, dtype=np.float64).reshape(-1, 2).T
     return Expectations(
-        route=legs.route,
+        legs=legs,
         planned_s=np.array([0.0 if leg is None else leg.planned_s for leg in known]),
         travel_s=travel_s,
         travel_s2=travel_s2,
@@ -121,9 +124,9 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
     )
 
 
-def as_planned(route: Route, leaves_ns: Floats | None = None) -> Expectations:
-    """By the plan alone, as when nobody has driven yet; `leaves_ns` as in `Legs`."""
-    legs = Legs(route, route.route_id, leaves_ns)
+def as_planned(route: Route, motion: ExpectedMotion | None = None) -> Expectations:
+    """By the plan alone, as when nobody has driven yet; `motion` as in `Legs`."""
+    legs = Legs(route, route.route_id, motion)
     return expectations(lessons_by(()), legs, route.route_id, 0)
 
 

@@ -3,6 +3,7 @@
 import msgspec
 
 from wayline.core import Record
+from wayline.messages import Disruption
 from wayline_eta.scores import Sums
 
 DAY_NS = 86_400_000_000_000
@@ -25,6 +26,8 @@ class Taken(msgspec.Struct, frozen=True):
     """The key of the stop, or of the wait for its time there (`legs`)."""
     dwell_s: float
     """0 where it passed; of a wait how long after its time it left, negative before it."""
+    disruption: Disruption | None = None
+    """What the vehicle met on the way or at the stop: it teaches nothing of what is usual."""
 
 
 class Known(msgspec.Struct, frozen=True):

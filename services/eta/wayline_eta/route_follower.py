@@ -87,7 +87,7 @@ class RouteFollower:
         `leaves_ns`, one a stop, is when the vehicle leaves it at the earliest.
         """
         self.route, self._motion = route, ExpectedMotion(route, leaves_ns)
-        self._visits.run_as(route, leaves_ns)
+        self._visits.run_as(route, self._motion.stop_dwells_s, self._motion.stop_leaves_ns)
         if self._along is not None:
             self._along.run_as(self._motion)
 

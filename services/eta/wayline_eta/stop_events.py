@@ -82,6 +82,7 @@ def _event(route: Route, happening: Happening) -> StopEvent:
         distance_m=stop.distance_m,
         lap=happening.lap,
         interpolated=happening.interpolated,
+        disruption=happening.disruption,
     )
 
 
@@ -99,4 +100,5 @@ def _event_of_run(run: Run, happening: Happening) -> StopEvent:
         scheduled_ns=scheduled_ns if run.is_exact else None,
         distance_m=run.trip_route.route.stops[stop].distance_m,
         interpolated=happening.interpolated,
+        disruption=happening.disruption,
     )

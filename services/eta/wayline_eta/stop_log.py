@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wayline.messages import StopEventKind
+from wayline.messages import Disruption, StopEventKind
 from wayline.route import Route
 from wayline_eta.expected_motion import ExpectedMotion
 from wayline_eta.stop_visits import stands_within_m
@@ -52,6 +52,7 @@ class Happening(NamedTuple):
     lap: int
     kind: StopEventKind
     interpolated: bool
+    disruption: Disruption | None = None
 
 
 class StopLog:
@@ -146,7 +147,7 @@ class StopLog:
             return []
         apart_s = max((seen.t_ns - last.t_ns) * 1e-9, 1e-3)
         if self._was_off or seen.total_m - last.total_m > FASTEST_MPS * apart_s + GOES_BACK_M:
-            return [self._happening(seen.t_ns, each, "skipped", reckoned=True) for each in crossed]
+            return [self._left_out(seen.t_ns, each) for each in crossed]
         times_ns = self._times_ns(last, seen, crossed)
         reckoned = _unseen(last, seen)
         return [
@@ -197,6 +198,10 @@ class StopLog:
         lap, at = divmod(visit, len(self._order))
         place_m = float(self._route.stop_distances_m[self._order[at]])
         return place_m + lap * self._route.length_m
+
+    def _left_out(self, t_ns: int, visit: int) -> Happening:
+        skipped = self._happening(t_ns, visit, "skipped", reckoned=True)
+        return skipped._replace(disruption="detour" if self._was_off else None)
 
     def _happening(
         self, t_ns: int, visit: int, kind: StopEventKind, *, reckoned: bool

@@ -35,7 +35,8 @@ class StopVisits:
         self._served_m: float | None = None
         self._stood_at_m: float | None = None
         self._leaves_ns = 0
-        self._earliest_ns: Floats | None = None
+        self._dwells_s = route.stop_dwells_s
+        self._earliest_ns = np.full(len(route.stops), -np.inf)
         self._stands_at_m: float | None = None
         """Where it stands, at a stop or not; None while it drives."""
         self._stands_since_ns = 0
@@ -62,9 +63,9 @@ class StopVisits:
         is_end = not self._route.loop and total_m >= self._route.length_m
         return total_m if place_m > total_m or is_end else place_m - 2.0 * SAME_M
 
-    def run_as(self, route: Route, leaves_ns: Floats | None = None) -> None:
+    def run_as(self, route: Route, dwells_s: Floats, leaves_ns: Floats) -> None:
         """Go on by another plan of the same line: other dwells, other earliest departures."""
-        self._route, self._earliest_ns = route, leaves_ns
+        self._route, self._dwells_s, self._earliest_ns = route, dwells_s, leaves_ns
 
     def observe(self, total_m: float, speed_mps: float, t_ns: int) -> None:
         """Take the vehicle's next place and speed."""
@@ -110,11 +111,7 @@ class StopVisits:
 
     def _dwell_s(self, stop: int, t_ns: int) -> float:
         """Planned; where the vehicle waits for its time, until then."""
-        planned_s = float(self._route.stop_dwells_s[stop])
-        earliest_ns = -math.inf if self._earliest_ns is None else float(self._earliest_ns[stop])
-        if not math.isfinite(earliest_ns):
-            return planned_s
-        return max(min(planned_s, BOARDING_S), (earliest_ns - t_ns) * 1e-9)
+        return max(float(self._dwells_s[stop]), (float(self._earliest_ns[stop]) - t_ns) * 1e-9)
 
     def _has_left(self, total_m: float, speed_mps: float) -> bool:
         moving = abs(speed_mps) >= self._tuning.eta_moving_mps

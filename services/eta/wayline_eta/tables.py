@@ -17,6 +17,8 @@ TAKEN = sa.Table(
     sa.Column("travel_s", sa.Float, nullable=False),
     sa.Column("stop", sa.Text, nullable=False),
     sa.Column("dwell_s", sa.Float, nullable=False),
+    # a breakdown, which teaches nothing; null at most
+    sa.Column("disruption", sa.Text),
     sa.Index("eta_taken_t_ns", "t_ns"),
 )
 

@@ -1,7 +1,7 @@
 """Pure: poses of one vehicle into progress and arrivals on the trip of a timetable that it runs."""
 
 from collections.abc import Iterator, Sequence
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import msgspec
 
@@ -35,13 +35,6 @@ from wayline_eta.trip_fit import Followed, is_same
 SECOND_NS = 1_000_000_000
 
 RunKey = tuple[PatternPlace, str, int]
-
-
-class Following(NamedTuple):
-    """A trip that is still to begin."""
-
-    forecaster: Forecaster
-    motion: ExpectedMotion
 
 
 def timetable_node(
@@ -81,7 +74,7 @@ class TimetableEtaCore:
     ) -> None:
         self._lessons = lessons or lessons_by(runs.feeds)
         self._scoring = Scoring(self._lessons.scored)
-        self._following: dict[RunKey, Following] = {}
+        self._following: dict[RunKey, Forecaster] = {}
         """Of the block's next trip, once it is told of."""
         self._forecaster: Forecaster | None = None
         self._forecast_of: RunKey | None = None
@@ -108,9 +101,7 @@ class TimetableEtaCore:
             self._take(self._sightings.take_pose(message))
         elif isinstance(message, Tick) and message.t_ns % SECOND_NS == 0:
             self._take(self._sightings.pass_time(message.t_ns))
-            happened = self._events.take()
-            learned = self._learn(happened)
-            return [*happened, *learned, *self._tell(message.t_ns, message.age_ns)]
+            return [*self._happened(), *self._tell(message.t_ns, message.age_ns)]
         return ()
 
     def _take(self, seen: Sequence[Sighting]) -> None:
@@ -139,16 +130,16 @@ class TimetableEtaCore:
         told = stop_events.of_run(run)
         self._events.note(followed.follower, _key(run), told, known=known)
 
-    def _learn(self, happened: Sequence[StopEvent]) -> list[Learned]:
-        """What the vehicle has taught by what it did at stops: of the trip before, then of this."""
-        learned: list[Learned] = []
-        for event in happened:
+    def _happened(self) -> Iterator[StopEvent | Learned]:
+        """What the vehicle did at stops, of the trip before, then of this; and what that taught."""
+        for event in self._events.take():
             current = self._choice.current
             if current is not None and event.trip_id == current.run.trip.trip_id:
-                learned += self._forecaster_of(current.run).learn([event])
+                yield from self._forecaster_of(current.run).observe(event)
             elif self._forecaster is not None and self._is_forecast(event):
-                learned += self._forecaster.learn([event])
-        return learned
+                yield from self._forecaster.observe(event)
+            else:
+                yield event
 
     def _is_forecast(self, event: StopEvent) -> bool:
         """Whether an event is of the trip whose arrivals were forecast last."""
@@ -158,7 +149,7 @@ class TimetableEtaCore:
         if self._forecaster is None or self._forecast_of != _key(run):
             self._forecast_of = _key(run)
             begun = self._following.pop(_key(run), None)
-            self._forecaster = self._made_for(run) if begun is None else begun.forecaster
+            self._forecaster = begun or self._made_for(run)
         return self._forecaster
 
     def _made_for(self, run: Run) -> Forecaster:
@@ -169,7 +160,7 @@ class TimetableEtaCore:
             scope=scope,
             plan=f"{scope}|{run.pattern.route_id}",
             sequences=run.trip_route.sequences,
-            leaves_ns=run.leaves_ns,
+            motion=ExpectedMotion(run.trip_route.route, run.leaves_ns),
         )
 
     def _tell(self, t_ns: int, pose_age_ns: int) -> list[Message | Sleep]:
@@ -223,7 +214,7 @@ class TimetableEtaCore:
         if outlook.total_m <= first_m + self._tuning.stop_radius_m:
             waits_s = (run.departs_ns - outlook.t_ns) * 1e-9
             outlook = outlook._replace(stand=outlook.stand.at_least(waits_s))
-        visits = self._forecaster_of(run).visits(outlook, t_ns, current.follower.motion)
+        visits = self._forecaster_of(run).visits(outlook, t_ns)
         told = trip_arrivals.of_run(run, visits)
         if not self._choice.is_certain:
             rivals = [rival.trip_route.route for rival in self._choice.rivals]
@@ -236,12 +227,11 @@ class TimetableEtaCore:
         if run is None or not told:
             return ()
         if _key(run) not in self._following:
-            motion = ExpectedMotion(run.trip_route.route, run.leaves_ns)
-            self._following = {_key(run): Following(self._made_for(run), motion)}
-        forecaster, motion = self._following[_key(run)]
+            self._following = {_key(run): self._made_for(run)}
+        forecaster = self._following[_key(run)]
         begins = forecaster.begins(told[-1], run.departs_ns, t_ns)
         first_m = float(run.trip_route.route.stop_distances_m[0])
-        visits = forecaster.visits(Outlook(t_ns, first_m, first_m, 0.0, begins), t_ns, motion)
+        visits = forecaster.visits(Outlook(t_ns, first_m, first_m, 0.0, begins), t_ns)
         return trip_arrivals.of_next_run(run, told, begins, visits, t_ns)
 
     def _arrivals(

@@ -58,11 +58,12 @@ class Incidents:
     def stop(self, stop: StopEvent) -> None:
         """A stop was reached, left, passed or left out."""
         trip = f", trip {stop.trip_id}" if stop.trip_id else ""
+        disruption = f", {stop.disruption}" if stop.disruption else ""
         self.spans.tell(
             Event(
                 t_ns=stop.t_ns,
                 kind="stop",
                 name=f"{stop.kind} {stop.stop_id}",
-                detail=f"route {stop.route_id}{trip}",
+                detail=f"route {stop.route_id}{trip}{disruption}",
             )
         )

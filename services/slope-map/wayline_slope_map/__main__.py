@@ -15,11 +15,13 @@ from wayline.shell import main as run_shell
 from wayline_slope_map.app import create_slope_app
 from wayline_slope_map.book import SlopeBook
 from wayline_slope_map.core import SlopeMapCore
+from wayline_slope_map.drives import Kept
 from wayline_slope_map.known_roads import KnownRoads
 from wayline_slope_map.queries import answer_lookahead
 from wayline_slope_map.records import RoadLearned
 from wayline_slope_map.smoothing_worker import SmoothingWorker
 from wayline_slope_map.store import SlopeTables
+from wayline_slope_map.tally import Tally
 from wayline_slope_map.teaching import Teaching
 
 NAME = "slope-map"
@@ -39,8 +41,12 @@ def build(settings: Settings, options: Namespace) -> Service:
             roads.learn(learned.profile)
             book.learn(learned.profile)
 
-    where = Tables(settings.database_url, "wayline_slope_map", SlopeTables)
-    store = SmoothingWorker(PatientStore(where, settings, learn))
+    tally = Tally()
+    where = Tables(
+        settings.database_url, "wayline_slope_map", lambda engine: SlopeTables(engine, tally)
+    )
+    tables = PatientStore(where, settings, learn)
+    store = SmoothingWorker(tables)
     store.hand_over()
     for route in routes:
         roads.follow(route.line, route.route_id, loop=route.loop, bin_m=settings.tuning.map_bin_m)
@@ -52,14 +58,22 @@ def build(settings: Settings, options: Namespace) -> Service:
         core = SlopeMapCore(roads, settings.tuning, vehicle_id, settings.vehicle, route_id)
         return Node(NAME, core, Teaching(store, roads))
 
+    def drives(vehicle_id: str, limit: int) -> Kept | None:
+        return tables.ask(lambda kept: kept.of_vehicle(vehicle_id, limit))
+
     return Service(
         NAME,
         make_node,
         SlopeMapCore.reads,
         views=[book],
         store=store,
+        notice=tally.notice,
         make_app=lambda healthz, telemetry: create_slope_app(
-            book, settings.http_of(NAME), healthz=healthz, registry=telemetry.registry
+            book,
+            settings.http_of(NAME),
+            drives=drives,
+            healthz=healthz,
+            registry=telemetry.registry,
         ),
         answers={
             query_key(FLEET, "lookahead"): lambda _, parameters: answer_lookahead(book, parameters)

@@ -29,9 +29,14 @@ def gps_altitudes(track: Track, tuning: Tuning) -> Measured:
     usable = [
         altitude
         for altitude in _within(track, track.altitudes)
-        if altitude.std_m <= tuning.map_gps_std_max_m
+        if not is_hardly_known(altitude, tuning)
     ]
     return _measured(track, usable)
+
+
+def is_hardly_known(altitude: Altitude, tuning: Tuning) -> bool:
+    """Whether the receiver itself hardly trusts an altitude: it has just begun."""
+    return altitude.std_m > tuning.map_gps_std_max_m
 
 
 def barometer_altitudes(track: Track, tuning: Tuning) -> Measured:

@@ -7,9 +7,17 @@ from fastapi import FastAPI, Request, Response
 from prometheus_client import CollectorRegistry
 
 from wayline.geojson import FeatureCollection
-from wayline.http import Healthz, JsonAnswer, RoundedAnswer, SlowAnswer, answers, create_service_app
+from wayline.http import (
+    AWAY_RESPONSES,
+    Healthz,
+    JsonAnswer,
+    RoundedAnswer,
+    SlowAnswer,
+    answers,
+    create_service_app,
+)
 from wayline.http_settings import HttpSettings
-from wayline.parameters import describe_parameters
+from wayline.parameters import describe_parameters, read_parameters
 from wayline_slope_map.answers import (
     LookaheadAnswer,
     ProfileAnswer,
@@ -19,6 +27,7 @@ from wayline_slope_map.answers import (
 )
 from wayline_slope_map.book import SlopeBook
 from wayline_slope_map.documents import profile_csv, profile_geojson
+from wayline_slope_map.drives import Asked, DrivesParameters, VehicleRuns, vehicle_runs
 from wayline_slope_map.queries import answer_lookahead, answer_profile, answer_vehicle_lookahead
 from wayline_slope_map.questions import (
     AheadParameters,
@@ -29,16 +38,25 @@ from wayline_slope_map.questions import (
 
 GEO_JSON = "application/geo+json"
 CSV = "text/csv"
+STRUCTS = (
+    RoadList,
+    ProfileAnswer,
+    LookaheadAnswer,
+    VehicleLookahead,
+    FeatureCollection,
+    VehicleRuns,
+)
 
 
 def create_slope_app(
     book: SlopeBook,
     settings: HttpSettings,
     *,
+    drives: Asked,
     healthz: Callable[[], Healthz] | None = None,
     registry: CollectorRegistry | None = None,
 ) -> FastAPI:
-    """The app that answers from the book.
+    """The app that answers from the book, and of drives by asking for them.
 
     Raises InputError for settings that would be too open.
     """
@@ -47,11 +65,19 @@ def create_slope_app(
         settings,
         healthz=healthz,
         registry=registry,
-        structs=(RoadList, ProfileAnswer, LookaheadAnswer, VehicleLookahead, FeatureCollection),
+        structs=(
+            RoadList,
+            ProfileAnswer,
+            LookaheadAnswer,
+            VehicleLookahead,
+            FeatureCollection,
+            VehicleRuns,
+        ),
     )
     _add_roads(app, book)
     _add_documents(app, book)
     _add_lookahead(app, book)
+    _add_drives(app, book, drives)
     return app
 
 
@@ -125,3 +151,17 @@ def _add_lookahead(app: FastAPI, book: SlopeBook) -> None:
     async def vehicle_ahead(vehicle_id: str, request: Request) -> JsonAnswer:
         """The road ahead of a vehicle, from where its last `horizon` has it."""
         return RoundedAnswer(answer_vehicle_lookahead(book, vehicle_id, request.query_params))
+
+
+def _add_drives(app: FastAPI, book: SlopeBook, drives: Asked) -> None:
+    @app.get(
+        "/v1/vehicles/{vehicle_id}/runs",
+        responses=answers(VehicleRuns) | AWAY_RESPONSES,
+        openapi_extra=describe_parameters(DrivesParameters),
+        tags=["runs"],
+    )
+    def runs(vehicle_id: str, request: Request) -> JsonAnswer:
+        """What a vehicle's drives have taught, and what of them was left out of the map and why."""
+        asked = read_parameters(request.query_params, DrivesParameters)
+        is_heard = vehicle_id in book.vehicle_ids()
+        return JsonAnswer(vehicle_runs(drives, vehicle_id, asked.limit, is_heard=is_heard))

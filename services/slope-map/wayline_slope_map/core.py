@@ -8,21 +8,21 @@ import msgspec
 from wayline.core import Record, Sleep
 from wayline.drive import Vehicle
 from wayline.geo import step_between, wrap_360
-from wayline.gps_quality import altitude_std_m, has_altitude
 from wayline.inputs import Flush, Tick
 from wayline.matching.matcher import Matcher
 from wayline.matching.transition import Moves
 from wayline.messages import Barometer, GpsFix, Horizon, Message, Odometer, Pose, Progress, Torque
 from wayline.tuning import Tuning
-from wayline.vertical.engine import Engine
-from wayline.vertical.frozen_torque import FrozenTorque
-from wayline.vertical.plausible import is_air, is_on_earth
+from wayline_slope_map.accounting import leapt, told, whole
+from wayline_slope_map.altimeters import Altimeters
 from wayline_slope_map.known_roads import KnownRoads, RoadsOfVehicle
+from wayline_slope_map.left_out import UNPLACED
 from wayline_slope_map.matching import CHANGE_COST, SPACING_M, Match, carried_on
 from wayline_slope_map.profile import lookahead
-from wayline_slope_map.records import RoadLearned
+from wayline_slope_map.records import DrivenRun, RoadLearned
 from wayline_slope_map.run import driven_run
-from wayline_slope_map.track import Altitude, Place, Pressure, Track
+from wayline_slope_map.track import Place, Track
+from wayline_slope_map.turning import Turning
 
 CAR = Vehicle()
 """Where nobody has said what the vehicle is."""
@@ -60,8 +60,8 @@ class SlopeMapCore:
         route_id: str | None = None,
     ) -> None:
         self._roads, self._tuning, self._vehicle_id = roads, tuning, vehicle_id
-        self._engine = Engine(vehicle, tuning)
-        self._frozen = FrozenTorque()
+        self._altimeters = Altimeters(vehicle, tuning)
+        self._turning = Turning()
         self._track = Track()
         self._network = RoadsOfVehicle(roads, route_id)
         self._matcher = Matcher(self._network, jump_cost=CHANGE_COST)
@@ -76,16 +76,6 @@ class SlopeMapCore:
         match message:
             case Pose():
                 return self._take_pose(message)
-            case GpsFix():
-                self._take_fix(message, source)
-            case Barometer(pressure_pa=float(pressure_pa)) if is_air(pressure_pa):
-                self._track.pressures.append(Pressure(message.t_ns, pressure_pa))
-            case Odometer():
-                if push := self._engine.wheels(message):
-                    self._track.pushes.append(push)
-            case Torque() if not self._frozen.is_frozen(message, self._driven_m):
-                if slope := self._engine.torque(message):
-                    self._track.own_slopes.append(slope)
             case Progress():
                 self._network.follow(message.route_id if message.on_route else None)
             case Tick() if message.t_ns % SECOND_NS == 0:
@@ -94,6 +84,8 @@ class SlopeMapCore:
                 return self._finish()
             case RoadLearned():
                 self._roads.learn(message.profile)
+            case _:
+                self._altimeters.take(message, source, self._track, self._driven_m)
         return []
 
     @property
@@ -104,16 +96,25 @@ class SlopeMapCore:
         last = self._pose
         if last is not None and pose.t_ns < last.t_ns:
             return []
-        ended = last is not None and (self._ends_run(last, pose) or self._is_parked(pose))
+        turned_m = self._turning.turned_m(pose)
+        if turned_m is not None:
+            self._track.end_at(turned_m)
+        ended = turned_m is not None or (
+            last is not None and (self._ends_run(last, pose) or self._is_parked(pose))
+        )
         finished: Sequence[Record] = []
         if ended:
             finished = self._finish()
             self._matcher.forget()
         self._pose = pose
         place = self._place(pose)
-        if place is not None and (self._is_new_lap(place) or self._has_leapt(place)):
+        if place is not None and self._has_leapt(place):
+            finished = self._leap_to(place)
+        elif place is not None and self._is_new_lap(place):
             finished = self._finish()
         self._track.travel(pose.t_ns, pose.distance_m)
+        unplaced = None if self._is_placed(pose) else UNPLACED
+        self._track.left_out.note("position", unplaced, pose.t_ns, pose.distance_m, None)
         if place is not None:
             self._track.places.append(place)
         return finished
@@ -144,18 +145,28 @@ class SlopeMapCore:
             return None
         if pose.lat_deg is None or pose.lon_deg is None or pose.heading_deg is None:
             return None
-        std_m = max(pose.east_std_m or 0.0, pose.north_std_m or 0.0)
-        unsure = pose.mode not in PLACED_MODES or std_m > self._tuning.map_position_std_max_m
-        if unsure:
+        if not self._is_placed(pose):
             return None
         # a vehicle in reverse travels the road the other way
         reverse = pose.speed_mps is not None and pose.speed_mps < 0.0
         course_deg = wrap_360(pose.heading_deg + 180.0) if reverse else pose.heading_deg
         place = Place(
-            pose.t_ns, pose.distance_m, pose.lat_deg, pose.lon_deg, course_deg, None, std_m
+            pose.t_ns,
+            pose.distance_m,
+            pose.lat_deg,
+            pose.lon_deg,
+            course_deg,
+            None,
+            _position_std_m(pose),
+            is_reckoned=pose.mode == "dead_reckoning",
         )
         found = self._matcher.observe(place.sight, Moves.measured(moved_m))
         return place._replace(match=Match.of(found.candidate)) if found else place
+
+    def _is_placed(self, pose: Pose) -> bool:
+        """Whether it is known well enough where the vehicle is."""
+        is_told = pose.mode in PLACED_MODES and pose.lat_deg is not None
+        return is_told and _position_std_m(pose) <= self._tuning.map_position_std_max_m
 
     def _last_place(self) -> Place | None:
         return self._track.places[-1] if self._track.places else None
@@ -180,16 +191,25 @@ class SlopeMapCore:
         allowed_m = max(LEAP_M, LEAP_STDS * max(last.std_m, place.std_m))
         return apart.distance_m - (place.travelled_m - last.travelled_m) > allowed_m
 
-    def _take_fix(self, fix: GpsFix, source: str) -> None:
-        if fix.alt_m is not None and has_altitude(fix) and is_on_earth(fix.alt_m):
-            std_m = altitude_std_m(fix, self._tuning)
-            self._track.altitudes.append(Altitude(fix.t_ns, fix.alt_m, std_m, source))
+    def _leap_to(self, place: Place) -> Sequence[Record]:
+        """The run ends where the position leaps to another place.
+
+        What was reckoned before, without a fix that was believed, led astray.
+        """
+        places = self._track.places
+        sure = next((each for each in reversed(places) if not each.is_reckoned), places[0])
+        self._track.doubted_from_m = sure.travelled_m
+        return [*self._finish(), leapt(self._vehicle_id, sure, place)]
 
     def _finish(self) -> Sequence[Record]:
-        """The run of the track so far; a new track begins."""
+        """The run of the track so far, and what of it is left out; a new track begins."""
         track, self._track = self._track, Track()
+        spans = list(track.left_out.take())
         run = driven_run(track, self._vehicle_id, self._roads.roads(), self._tuning)
-        return [] if run is None else [run]
+        if isinstance(run, DrivenRun):
+            return [run, *told(self._vehicle_id, track, spans)]
+        is_said = any(span.sensor is None for span in spans)
+        return told(self._vehicle_id, track, spans if is_said else [*spans, *whole(track, run)])
 
     def _look_ahead(self, tick: Tick) -> Sequence[Message | Sleep]:
         """The horizon of a fresh pose; without one it ends with an empty one."""
@@ -229,3 +249,8 @@ class SlopeMapCore:
         if moved_m > LOST_AFTER_M:
             return None
         return carried_on(self._roads.profile(last.match.road_id).road, last.match, moved_m)
+
+
+def _position_std_m(pose: Pose) -> float:
+    """One sigma of the worse axis."""
+    return max(pose.east_std_m or 0.0, pose.north_std_m or 0.0)

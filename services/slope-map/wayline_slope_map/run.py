@@ -8,14 +8,17 @@ import numpy as np
 
 from wayline.line import Floats
 from wayline.tuning import Tuning
+from wayline_slope_map.accounting import told
 from wayline_slope_map.altitude_lag import lag_s
 from wayline_slope_map.altitudes import Measured, barometer_altitudes, gps_altitudes
+from wayline_slope_map.left_out import NO_HEIGHT, NO_ROAD, LeftOut
 from wayline_slope_map.records import DrivenRun, FinishedRun, RunBin, Sensor
 from wayline_slope_map.roads import Road
 from wayline_slope_map.slopes import NO_SLOPES, run_slopes
 from wayline_slope_map.smoothing import PASSES, Sensed, Smoothed, smooth
-from wayline_slope_map.stretches import cut
+from wayline_slope_map.stretches import Stretch, cut
 from wayline_slope_map.track import Track
+from wayline_slope_map.untaught import doubt, untaught, unused, walking
 from wayline_slope_map.walking_pace import is_driven
 
 NONE = np.empty(0)
@@ -25,58 +28,81 @@ PASSES_ALONE = 2
 REFERENCE_STEP_M = 20.0
 """Between the altitudes by the other sensors that a receiver's are compared with."""
 SENSORS: tuple[Sensor, ...] = get_args(Sensor)
-STEEPEST_PCT = 50.0
-"""No road is steeper; keeps a bad run out and the sums inside 64 bits."""
 
 
 def driven_run(
     track: Track, vehicle_id: str, roads: Mapping[str, Road], tuning: Tuning
-) -> DrivenRun | None:
-    """A finished track cut into stretches of known and new roads; None where it tells nothing."""
-    if len(track.places) < 2 or not track.tells_heights:
-        return None
+) -> DrivenRun | str:
+    """A finished track cut into stretches of known and new roads, or why it teaches nothing."""
+    if len(track.places) < 2:
+        return NO_ROAD
+    if not track.tells_heights:
+        return NO_HEIGHT
     stretches = tuple(cut(track.places, roads, tuning.map_bin_m))
     if not any(indices for indices, _ in (stretch.bins() for stretch in stretches)):
-        return None
+        return NO_ROAD
     return DrivenRun(vehicle_id=vehicle_id, track=track, stretches=stretches, tuning=tuning)
 
 
 def smoothed_runs(driven: DrivenRun) -> list[FinishedRun]:
     """What a run says of each of its stretches, in order of time."""
+    return [each for each in outcome(driven) if isinstance(each, FinishedRun)]
+
+
+def outcome(driven: DrivenRun) -> list[FinishedRun | LeftOut]:
+    """What a run says of each of its stretches, in order of time, and what of it is left out."""
     track, tuning = driven.track, driven.tuning
     passed = [stretch.bins() for stretch in driven.stretches]
-    sizes = [len(indices) for indices, _ in passed]
     travelled_m = np.concatenate([distances_m for _, distances_m in passed])
-    sensors = _without_walked(smoothed_by_sensor(track, travelled_m, tuning), track, travelled_m)
-    ends = np.cumsum(sizes).tolist()
-    runs = []
-    for stretch, (indices, _), end in zip(driven.stretches, passed, ends, strict=True):
-        bins = [
-            run_bin
-            for sensor, smoothed in sensors.items()
-            for run_bin in _bins(sensor, smoothed, indices, end - len(indices), tuning)
-        ]
-        if bins:
-            runs.append(
-                FinishedRun(
-                    vehicle_id=driven.vehicle_id,
-                    road=stretch.road,
-                    direction=1 if stretch.direction > 0 else -1,
-                    start_ns=stretch.start_ns,
-                    end_ns=stretch.end_ns,
-                    bins=tuple(bins),
-                )
-            )
-    return runs
+    smoothed = smoothed_by_sensor(track, travelled_m, tuning)
+    sensors = _where_taught(smoothed, track, travelled_m)
+    ends = np.cumsum([len(indices) for indices, _ in passed]).tolist()
+    runs = [
+        _finished(driven, stretch, bins)
+        for stretch, (indices, _), end in zip(driven.stretches, passed, ends, strict=True)
+        if (bins := _of_stretch(sensors, indices, end - len(indices), tuning))
+    ]
+    spans = [
+        *walking(track),
+        *unused(track, smoothed, tuning),
+        *untaught(track, travelled_m, sensors.get("fused"), tuning),
+    ]
+    return [*runs, *told(driven.vehicle_id, track, spans)]
 
 
-def _without_walked(
+def _finished(driven: DrivenRun, stretch: Stretch, bins: list[RunBin]) -> FinishedRun:
+    return FinishedRun(
+        vehicle_id=driven.vehicle_id,
+        road=stretch.road,
+        direction=1 if stretch.direction > 0 else -1,
+        start_ns=stretch.start_ns,
+        end_ns=stretch.end_ns,
+        bins=tuple(bins),
+    )
+
+
+def _of_stretch(
+    sensors: Mapping[Sensor, Smoothed], indices: list[int], first: int, tuning: Tuning
+) -> list[RunBin]:
+    return [
+        run_bin
+        for sensor, smoothed in sensors.items()
+        for run_bin in _bins(sensor, smoothed, indices, first, tuning)
+    ]
+
+
+def _where_taught(
     sensors: dict[Sensor, Smoothed], track: Track, travelled_m: Floats
 ) -> dict[Sensor, Smoothed]:
     """Nothing is known where the run teaches no road."""
-    walked = ~is_driven(track, travelled_m)
+    taught = is_driven(track, travelled_m) & (travelled_m <= track.doubted_from_m)
     return {
-        sensor: Smoothed(*(np.where(walked, np.nan, each) for each in smoothed))
+        sensor: smoothed._replace(
+            alt_m=np.where(taught, smoothed.alt_m, np.nan),
+            alt_std_m=np.where(taught, smoothed.alt_std_m, np.nan),
+            grade_pct=np.where(taught, smoothed.grade_pct, np.nan),
+            grade_std_pct=np.where(taught, smoothed.grade_std_pct, np.nan),
+        )
         for sensor, smoothed in sensors.items()
     }
 
@@ -136,9 +162,14 @@ def _bins(
     bins = []
     for offset, bin_index in enumerate(indices):
         alt_m, alt_std_m, grade_pct, grade_std_pct = (
-            float(values[first + offset]) for values in smoothed
+            float(values[first + offset])
+            for values in (
+                smoothed.alt_m,
+                smoothed.alt_std_m,
+                smoothed.grade_pct,
+                smoothed.grade_std_pct,
+            )
         )
-        certain = grade_std_pct <= tuning.map_grade_std_max_pct and abs(grade_pct) <= STEEPEST_PCT
-        if certain and math.isfinite(alt_m):
+        if math.isfinite(alt_m) and doubt(grade_pct, grade_std_pct, tuning) is None:
             bins.append(RunBin(bin_index, sensor, grade_pct, grade_std_pct, alt_m, alt_std_m))
     return bins

@@ -60,6 +60,8 @@ class Smoothed(NamedTuple):
     alt_std_m: Floats
     grade_pct: Floats
     grade_std_pct: Floats
+    is_such_vehicle: bool = True
+    """False where none of the run's torque counts, by the mass that it comes to."""
 
 
 class _Nodes(NamedTuple):
@@ -97,7 +99,9 @@ def smooth(
     forward = _ForwardPass(sensed, tuning, start)
     x, P = forward.smoothed(nodes)
     if forward.is_no_such_vehicle:
-        return smooth(sensed._replace(slopes=NO_SLOPES), times_s, travelled_m, tuning, passes)
+        others = sensed._replace(slopes=NO_SLOPES)
+        smoothed = smooth(others, times_s, travelled_m, tuning, passes)
+        return None if smoothed is None else smoothed._replace(is_such_vehicle=False)
     for _ in range(passes - 1):
         start = learn(nodes.travelled_m, x, P, tuning, start)
         x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)

@@ -10,8 +10,9 @@ import subprocess
 import sys
 from typing import BinaryIO
 
+from wayline_slope_map.left_out import LeftOut
 from wayline_slope_map.records import DrivenRun, FinishedRun
-from wayline_slope_map.run import smoothed_runs
+from wayline_slope_map.run import outcome
 
 NICENESS = 5
 """On a machine of one core messages go first."""
@@ -29,7 +30,7 @@ class SmoothingProcess:
             start_new_session=True,
         )
 
-    def smoothed(self, driven: DrivenRun) -> list[FinishedRun]:
+    def smoothed(self, driven: DrivenRun) -> list[FinishedRun | LeftOut]:
         """What a run comes to; waits for it. Raises RuntimeError if the process has died."""
         source, sink = self._process.stdout, self._process.stdin
         if source is None or sink is None:
@@ -37,10 +38,10 @@ class SmoothingProcess:
         try:
             pickle.dump(driven, sink)
             sink.flush()
-            runs: list[FinishedRun] = pickle.load(source)  # noqa: S301 - our own process's
+            found: list[FinishedRun | LeftOut] = pickle.load(source)  # noqa: S301 - our own process's
         except (EOFError, BrokenPipeError):
             raise RuntimeError("the smoothing of a run died, its traceback is above") from None
-        return runs
+        return found
 
     def close(self) -> None:
         """End it, whatever it is at."""
@@ -52,7 +53,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
     """Smooth one run after the other until there is none."""
     while source.peek(1):  # type: ignore[attr-defined]  # of a buffered reader
         driven: DrivenRun = pickle.load(source)  # noqa: S301 - our own process's
-        pickle.dump(smoothed_runs(driven), sink)
+        pickle.dump(outcome(driven), sink)
         sink.flush()
 
 

@@ -10,6 +10,7 @@ import msgspec
 
 from wayline.core import Record
 from wayline.patient_store import PatientStore
+from wayline_slope_map.left_out import LeftOut
 from wayline_slope_map.records import DrivenRun, FinishedRun
 from wayline_slope_map.smoothing_process import SmoothingProcess
 from wayline_slope_map.store import SlopeTables
@@ -26,7 +27,7 @@ log = logging.getLogger("wayline")
 class Smoother(Protocol):
     """Smooths runs, one at a time."""
 
-    def smoothed(self, driven: DrivenRun) -> list[FinishedRun]:
+    def smoothed(self, driven: DrivenRun) -> Sequence[FinishedRun | LeftOut]:
         """What a run comes to; called in the worker's thread alone, and may take long."""
         ...
 
@@ -53,7 +54,13 @@ class SmoothingWorker:
         self._died = self._is_given_up = False
 
     def save(self, record: Record) -> Sequence[msgspec.Struct]:
-        """Have a driven run smoothed and kept; whoever hands it over never waits."""
+        """Have a driven run smoothed and kept; whoever hands it over never waits.
+
+        What was left out while it was driven is kept as it is.
+        """
+        if isinstance(record, LeftOut):
+            self._store.put(record.vehicle_id, record)
+            return ()
         if not isinstance(record, DrivenRun):
             raise TypeError(f"{type(record).__name__} is no driven run")
         if self._waiting.qsize() < self._capacity:
@@ -116,5 +123,5 @@ class SmoothingWorker:
     def _keep(self, driven: DrivenRun) -> None:
         if self._smoother is None:
             raise RuntimeError("a worker that has not been started")
-        for run in self._smoother.smoothed(driven):
-            self._store.put(run.vehicle_id, run)
+        for each in self._smoother.smoothed(driven):
+            self._store.put(each.vehicle_id, each)

@@ -10,14 +10,18 @@ from sqlalchemy.dialects import postgresql, sqlite
 
 from wayline.core import Record
 from wayline.database import write_transaction
+from wayline_slope_map.drives import Kept, kept_of
 from wayline_slope_map.judging import Grades, Judgement, judged
 from wayline_slope_map.kept_run import kept, unkept
+from wayline_slope_map.left_out import COUNTED, LeftOut
+from wayline_slope_map.left_out_rows import keep
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.records import DrivenRun, FinishedRun, RoadLearned, RunBin
 from wayline_slope_map.roads import Road
-from wayline_slope_map.run import smoothed_runs
+from wayline_slope_map.run import outcome
 from wayline_slope_map.sums import BinEstimate, BinSums, estimate, run_sums, without
 from wayline_slope_map.tables import LEDGER, ROADS, SUMS
+from wayline_slope_map.tally import Tally
 
 FUSED = "fused"
 Estimates = dict[int, dict[int, BinEstimate]]
@@ -26,24 +30,40 @@ Estimates = dict[int, dict[int, BinEstimate]]
 class SlopeStore:
     """The slope database on an engine from `open_database(url, "wayline_slope_map")`."""
 
-    def __init__(self, engine: sa.Engine) -> None:
-        self._engine = engine
+    def __init__(self, engine: sa.Engine, tally: Tally | None = None) -> None:
+        self._engine, self._tally = engine, tally or Tally()
+
+    @property
+    def left_out(self) -> Mapping[str, int]:
+        """How many parts of drives have taught nothing, by reason."""
+        return self._tally.counts
 
     def save(self, record: Record) -> Sequence[RoadLearned]:
         """Merge a finished run, or what a driven one comes to; answers with the roads as now known.
 
         A run that the ledger holds already, or one that overlaps in time with a run of the same
-        vehicle, road and direction, changes nothing and has no answer.
+        vehicle, road and direction, changes nothing and has no answer. What is left out of the map
+        is kept beside it and has none either.
         """
-        if isinstance(record, DrivenRun):
-            return [learned for run in smoothed_runs(record) for learned in self.save(run)]
-        if not isinstance(record, FinishedRun):
-            raise TypeError(f"the slope map keeps no {type(record).__name__}")
+        match record:
+            case DrivenRun():
+                return [learned for each in outcome(record) for learned in self.save(each)]
+            case FinishedRun():
+                return self._merge(record)
+            case LeftOut():
+                with write_transaction(self._engine) as connection:
+                    keep(connection, record)
+                self._tally.count(record.reason)
+                return []
+        raise TypeError(f"the slope map keeps no {type(record).__name__}")
+
+    def _merge(self, record: FinishedRun) -> Sequence[RoadLearned]:
         with write_transaction(self._engine) as connection:
             if connection.dialect.name == "postgresql":
                 # two processes must not both find the ledger empty
                 connection.execute(sa.text("LOCK TABLE slope_ledger IN EXCLUSIVE MODE"))
             if not _merge(connection, record):
+                self._tally.count(COUNTED)
                 return []
             estimates = _estimates(connection, record.road.road_id)[record.road.road_id]
         return [RoadLearned(RoadProfile(record.road, estimates))]
@@ -76,16 +96,22 @@ class SlopeStore:
 class SlopeTables:
     """The slope database for a `PatientStore`: tells of every road, then of those that changed."""
 
-    def __init__(self, engine: sa.Engine) -> None:
-        self._store = SlopeStore(engine)
+    def __init__(self, engine: sa.Engine, tally: Tally | None = None) -> None:
+        self._engine = engine
+        self._store = SlopeStore(engine, tally)
         self._told: dict[str, int] = {}
         """How many runs each road had when it was told of."""
 
     def save(self, vehicle_id: str, record: Record) -> Sequence[RoadLearned]:
-        """Merge a finished run; `look` tells of its road."""
+        """Merge a finished run, or keep what was left out; `look` tells of the run's road."""
         del vehicle_id
         self._store.save(record)
         return ()
+
+    def of_vehicle(self, vehicle_id: str, limit: int) -> Kept:
+        """What is kept of a vehicle's drives, so much of each at most."""
+        with self._engine.connect() as connection:
+            return kept_of(connection, vehicle_id, limit)
 
     def look(self) -> Sequence[RoadLearned]:
         """The roads that were written to since the last look, by this process or another."""

@@ -2,7 +2,8 @@
 
 A sum is a whole number (see `sums.py` for the scales), so that runs may be merged in any order
 and give the same row to the last digit. The size grows with the metres of road, not with the runs;
-only the ledger does, one row a run with the run itself (`kept_run.py`).
+only the ledger does, one row a run with the run itself (`kept_run.py`). Of what was left out the
+newest is kept, so many parts a vehicle.
 """
 
 import sqlalchemy as sa
@@ -49,4 +50,21 @@ LEDGER = sa.Table(
     # the run's bins (`kept_run.py`); null of runs that were merged before runs were kept
     sa.Column("kept", sa.LargeBinary),
     sa.Column("withdrawn", sa.Boolean, nullable=False, server_default=sa.false()),
+)
+
+LEFT_OUT = sa.Table(
+    "slope_left_out",
+    METADATA,
+    sa.Column("vehicle_id", sa.Text, primary_key=True),
+    sa.Column("start_ns", sa.BigInteger, primary_key=True),
+    # empty where the whole part is left out
+    sa.Column("sensor", sa.Text, primary_key=True),
+    sa.Column("reason", sa.Text, primary_key=True),
+    sa.Column("end_ns", sa.BigInteger, nullable=False),
+    sa.Column("length_m", sa.Float, nullable=False),
+    # null where no place was known near by
+    sa.Column("start_lat_deg", sa.Float),
+    sa.Column("start_lon_deg", sa.Float),
+    sa.Column("end_lat_deg", sa.Float),
+    sa.Column("end_lon_deg", sa.Float),
 )

@@ -1,5 +1,7 @@
 """Pure: what is collected of a run while it is driven."""
 
+import math
+from bisect import bisect_right
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -9,6 +11,7 @@ from wayline.line import Floats
 from wayline.matching.network import Sight
 from wayline.vertical.own_slope import OwnSlope
 from wayline.vertical.propulsion import Push
+from wayline_slope_map.left_out import Spans
 from wayline_slope_map.matching import Match
 
 TRACK_STEP_NS = 400_000_000
@@ -27,6 +30,8 @@ class Place(NamedTuple):
     match: Match | None
     std_m: float = 0.0
     """One sigma of the worse axis."""
+    is_reckoned: bool = False
+    """By wheels and gyro, without a fix that was believed."""
 
     @property
     def sight(self) -> Sight:
@@ -62,12 +67,22 @@ class Track:
     pressures: list[Pressure] = field(default_factory=list)
     pushes: list[Push] = field(default_factory=list)
     own_slopes: list[OwnSlope] = field(default_factory=list)
+    left_out: Spans = field(default_factory=Spans)
+    """What was left out while it was driven."""
+    doubted_from_m: float = math.inf
+    """Travelled; from there on it is not known which road was driven."""
 
     def travel(self, t_ns: int, travelled_m: float) -> None:
         """Note a distance, unless the last one was just now."""
         if not self.times_ns or t_ns - self.times_ns[-1] >= TRACK_STEP_NS:
             self.times_ns.append(t_ns)
             self.travelled_m.append(travelled_m)
+
+    def end_at(self, travelled_m: float) -> None:
+        """Let it end where so much was travelled; what was measured later tells of another run."""
+        last = bisect_right(self.travelled_m, travelled_m)
+        del self.times_ns[last:], self.travelled_m[last:]
+        del self.places[bisect_right(self.places, travelled_m, key=lambda each: each.travelled_m) :]
 
     @property
     def tells_heights(self) -> bool:

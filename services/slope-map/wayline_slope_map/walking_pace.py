@@ -4,6 +4,8 @@ Torque says nothing there, walls hide the sky, and ramps are steeper than roads:
 it is sure of itself and wrong. The road beside it bears part of that error.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,13 +23,18 @@ PACE_OVER_M = 20.0
 
 def is_driven(track: Track, travelled_m: Floats) -> NDArray[np.bool_]:
     """Whether a run teaches the road at distances travelled, shape (n,)."""
+    driven = np.ones(len(travelled_m), dtype=np.bool_)
+    for from_m, to_m in walked(track):
+        driven &= (travelled_m < from_m) | (travelled_m > to_m)
+    return driven
+
+
+def walked(track: Track) -> Iterator[tuple[float, float]]:
+    """From where to where a run teaches no road, in distances travelled; they may overlap."""
     at_m = np.arange(track.travelled_m[0], track.travelled_m[-1], PACE_OVER_M)
     took_s = np.diff(track.seconds_at(at_m))
-    walked = took_s > PACE_OVER_M / WALKING_MPS
-    edges = np.flatnonzero(np.diff(walked, prepend=False, append=False))
-    driven = np.ones(len(travelled_m), dtype=np.bool_)
+    is_slow = took_s > PACE_OVER_M / WALKING_MPS
+    edges = np.flatnonzero(np.diff(is_slow, prepend=False, append=False))
     for first, last in zip(edges[::2], edges[1::2], strict=True):
         if at_m[last] - at_m[first] > LONGEST_M:
-            beside = (at_m[first] - BESIDE_M, at_m[last] + BESIDE_M)
-            driven &= (travelled_m < beside[0]) | (travelled_m > beside[1])
-    return driven
+            yield at_m[first] - BESIDE_M, at_m[last] + BESIDE_M

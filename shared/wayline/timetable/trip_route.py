@@ -14,6 +14,7 @@ from wayline.timetable.notes import Notes
 from wayline.timetable.placing import PlacedPattern, place_pattern
 from wayline.timetable.plan import BAYS_M, FASTEST_MPS, WALKING_MPS, Plan, make_plan
 from wayline.timetable.section_speeds import SectionSpeeds
+from wayline.timetable.whole_minutes import meant_times
 
 Floats = NDArray[np.float64]
 FILE = "stop_times.txt"
@@ -59,7 +60,15 @@ class PatternRoutes:
 
     def plan_of(self, timing: Timing) -> Plan:
         """When a trip of this timing is at the pattern's stops, in the order of driving."""
-        return _plan(self._placed, timing)
+        return make_plan(self._placed.alongs_m, *_times(self._placed, timing))
+
+    def _meant_plan(self, plan: Plan, timing: Timing) -> Plan:
+        """How it is driven: times in whole minutes are rounded ones, but for waits among them."""
+        if plan.slow.any():
+            return plan
+        alongs_m, waits = self._placed.alongs_m, np.array(timing.timepoints, dtype=np.bool_)
+        waits = waits[list(self._placed.rows)]
+        return make_plan(alongs_m, *meant_times(alongs_m, *_times(self._placed, timing), waits))
 
     def of_trip(self, trip: Trip) -> TripRoute:
         """The route at the speeds and with the dwells of a trip."""
@@ -68,6 +77,7 @@ class PatternRoutes:
     def of_timing(self, timing: Timing, name: str) -> TripRoute:
         """The route at the speeds and with the dwells of a timing."""
         plan = self.plan_of(timing)
+        meant = self._meant_plan(plan, timing)
         where = f"{self._timetable.source} pattern {self.pattern.pattern_id}"
         checked = make_route(
             where,
@@ -77,11 +87,11 @@ class PatternRoutes:
             vertices=list(
                 zip(self.line.lats_deg.tolist(), self.line.lons_deg.tolist(), strict=True)
             ),
-            speeds_mps=self._speeds.of_plan(plan).tolist(),
+            speeds_mps=self._speeds.of_plan(meant).tolist(),
             stops=(),
         )
         kept = _once(self._placed)
-        stops = [self._stop(row, last, plan) for row, last in kept]
+        stops = [self._stop(row, last, meant) for row, last in kept]
         route = Route(
             route_id=checked.route_id,
             name=checked.name,
@@ -129,7 +139,7 @@ def note_times(routes: PatternRoutes, timing: Timing, trip_id: str, notes: Notes
         notes.add("mended", FILE, fault, f"trip {trip_id}")
 
 
-def _plan(placed: PlacedPattern, timing: Timing) -> Plan:
+def _times(placed: PlacedPattern, timing: Timing) -> tuple[Floats, Floats]:
     """In the order of driving; times of exchanged stops go with them where that makes them rise."""
     rows = list(placed.rows)
     arrivals_s = np.array(timing.arrivals_s, dtype=np.float64)
@@ -140,7 +150,7 @@ def _plan(placed: PlacedPattern, timing: Timing) -> Plan:
     known_s = moved_s[~np.isnan(moved_s)]
     if np.all(np.diff(known_s) >= 0.0):
         arrivals_s, departures_s = moved_s, departures_s[rows]
-    return make_plan(placed.alongs_m, arrivals_s, departures_s)
+    return arrivals_s, departures_s
 
 
 def _once(placed: PlacedPattern) -> list[tuple[int, int]]:

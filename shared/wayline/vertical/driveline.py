@@ -4,6 +4,9 @@ from wayline.messages import Torque
 
 UNSETTLED_NS = 600_000_000
 """After brake, clutch, neutral or another gear, torque and acceleration belong together again."""
+UNJOINED = "engine and wheels were not joined: neutral, clutch, or between gears"
+REVERSED = "driven backwards"
+"""Why torque tells nothing then."""
 SAME_RATIO = 0.02
 """A gear's ratio as it is reported differs by less from frame to frame."""
 
@@ -17,6 +20,7 @@ class Driveline:
         self._gear: int | None = None
         self._ratio: float | None = None
         self._disturbed_ns: int | None = None
+        self._disturbance = UNJOINED
         self._braked_ns: int | None = None
 
     def watch(self, torque: Torque) -> None:
@@ -24,13 +28,17 @@ class Driveline:
         self.tells_brake |= torque.brake is not None
         shifted = self._has_shifted(torque)
         if torque.clutch or shifted or (self._gear is not None and self._gear < 1):
-            self.disturb(torque.t_ns)
+            self.disturb(torque.t_ns, UNJOINED if (self._gear or 0) >= 0 else REVERSED)
         if torque.brake:
             self._braked_ns = max(torque.t_ns, self._braked_ns or torque.t_ns)
 
-    def disturb(self, t_ns: int) -> None:
-        """Engine and wheels were not joined at an instant."""
-        self._disturbed_ns = max(t_ns, self._disturbed_ns or t_ns)
+    def disturb(self, t_ns: int, why: str = UNJOINED) -> None:
+        """Engine and wheels were not joined at an instant, or not as they are forwards."""
+        self._disturbed_ns, self._disturbance = max(t_ns, self._disturbed_ns or t_ns), why
+
+    def disturbance(self, t_ns: int) -> str | None:
+        """Why torque tells nothing at an instant; None while engine and wheels are joined."""
+        return None if self.is_joined(t_ns) else self._disturbance
 
     def is_joined(self, t_ns: int) -> bool:
         """Whether engine and wheels have been joined for long enough before an instant."""

@@ -28,3 +28,12 @@ class Engine:
     def wheels(self, odometer: Odometer) -> Push | None:
         """Take a reading of the wheels; what torque has told since the last time, if it is time."""
         return self._propulsion.wheels(odometer) if self._uses_torque else None
+
+    def refusal(self, t_ns: int) -> str | None:
+        """Why the torque of an instant tells nothing of the slope; None where that is usual.
+
+        It is where the vehicle is slow, and where torque is not asked at all.
+        """
+        if not self._uses_torque or self._propulsion.is_slow:
+            return None
+        return self._driveline.disturbance(t_ns)

@@ -4,6 +4,8 @@ from wayline.messages import Torque
 
 LONGEST_M = 500.0
 """No engine pulls so evenly over so long a way that not one step of its torque changes."""
+FROZEN = "the torque does not change, however far the vehicle drives"
+"""Why it is not used then."""
 
 
 class FrozenTorque:

@@ -3,6 +3,8 @@
 PRESSURES_PA = (30_000.0, 120_000.0)
 """From the highest pass to the deepest mine."""
 ALTITUDES_M = (-1_000.0, 12_000.0)
+NO_SUCH_AIR = "no road has such air"
+"""Why a pressure is not used."""
 
 
 def is_air(pressure_pa: float) -> bool:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from wayline.drive import Vehicle
 from wayline.messages import Odometer, Torque
-from wayline.vertical.driveline import Driveline
+from wayline.vertical.driveline import REVERSED, Driveline
 from wayline.vertical.wheel_noise import WheelNoise
 from wayline.vertical.window import Block, Force, weighted_force
 
@@ -91,6 +91,11 @@ class Propulsion:
         self._block: Block | None = None
         self._goes_on = False
 
+    @property
+    def is_slow(self) -> bool:
+        """Whether a torque tells nothing at the vehicle's speed."""
+        return self._speed_mps < SLOWEST_MPS
+
     def torque(self, torque: Torque) -> None:
         """Take a message of the engine, which `Driveline.watch` has seen before."""
         if torque.engine_speed_rpm is not None:
@@ -119,7 +124,7 @@ class Propulsion:
     def _turns(self, t_ns: int) -> float | None:
         """Radians of the engine for a metre of way; None where it is unknown or has changed."""
         fresh = _is_fresh(self._engine_ns, t_ns) and _is_fresh(self._speed_ns, t_ns)
-        if not fresh or self._speed_mps < SLOWEST_MPS:
+        if not fresh or self.is_slow:
             return None
         now, before = self._engine_radps / self._speed_mps, self._radians_per_m
         tolerance = RATIO_TOLERANCE + 3.0 * self._noise.std_mps() / self._speed_mps
@@ -139,7 +144,7 @@ class Propulsion:
         self._noise.learn(t_ns, speed_mps)
         self._speed_mps, self._speed_ns = speed_mps, t_ns
         if odometer.reverse:
-            self._driveline.disturb(t_ns)
+            self._driveline.disturb(t_ns, REVERSED)
         if speed_mps < SLOWEST_MPS or not self._driveline.is_joined(t_ns):
             self._give_up()
             return None

@@ -21,6 +21,8 @@ TORQUE_FACTOR_MIN = 0.05
 """Of the configured variance of slopes by torque."""
 MASSES = (0.3, 3.0)
 """True mass over the stated one; beyond, torque or mass are not what they are said to be."""
+NO_SUCH_MASS = "the mass would be no such vehicle's"
+"""Why no torque is used then."""
 AGREEING_M = 10.0
 AGREEING_STDS = 2.0
 """Rejected altitudes agree when they are off alike, to so many metres or stds."""

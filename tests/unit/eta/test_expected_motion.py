@@ -17,22 +17,31 @@ def test_planned_dwells_are_kept_and_leave_the_speeds_alone() -> None:
 
 
 def test_running_times_without_dwells_hold_them() -> None:
-    """100 s a leg are 20 s at the stop and 80 s of driving; of a leg of 30 s the stop has 10."""
+    """100 s from a stop on are 20 s at it and 80 s of driving; of a leg of 30 s the stop has 10."""
     motion = ExpectedMotion(route_of(LINE, stops_m=[0.0, 1000.0, 1300.0, 4000.0]))
-    assert motion.dwells_s == pytest.approx([0.0, 20.0, 10.0, 20.0], abs=0.01)
+    assert motion.dwells_s == pytest.approx([20.0, 10.0, 20.0, 0.0], abs=0.01)
     assert motion.speed_mps(500.0) == pytest.approx(12.5, abs=0.01)
     assert motion.speed_mps(1200.0) == pytest.approx(15.0, abs=0.01)
     assert motion.is_untold
 
 
-def test_running_times_in_whole_minutes_are_evened_out() -> None:
-    """Legs of 600 m planned at one and at three minutes: two are meant."""
-    line: list[Metres] = [(600.0 * number, 0) for number in range(13)]
-    route = route_of(line, stops_m=[600.0 * number for number in range(13)])
-    route.speeds_mps[:] = [10.0, 600 / 180.0] * 6
-    motion = ExpectedMotion(route)
-    speeds = [motion.speed_mps(300.0 + 600.0 * leg) for leg in range(3, 9)]
-    assert speeds == pytest.approx([6.0] * 6, abs=1.0)  # 100 s of driving, 20 s at the stop
+def test_who_leaves_the_first_stop_at_its_time_comes_to_the_second_at_its() -> None:
+    leaves_ns = np.array([0.0, -np.inf, -np.inf])
+    route = route_of(LINE, stops_m=[0.0, 1000.0, 4000.0])
+    motion = ExpectedMotion(route, leaves_ns)
+    assert motion.dwells_s == pytest.approx([0.0, 20.0, 0.0], abs=0.01)
+    assert motion.driven_s(np.array([1000.0, 4000.0])) == pytest.approx([100.0, 380.0], abs=0.01)
+
+
+def test_the_last_dwell_of_a_loop_is_in_the_time_back_to_its_first_stop() -> None:
+    motion = ExpectedMotion(route_of(SQUARE, stops_m=[0.0, 1000.0]))
+    assert motion.dwells_s == pytest.approx([20.0, 20.0], abs=0.01)
+    assert motion.driven_s(np.array([2000.0])) == pytest.approx([160.0], abs=0.01)
+
+
+def test_of_stops_at_one_place_the_last_has_the_dwell() -> None:
+    motion = ExpectedMotion(route_of(LINE, stops_m=[0.0, 1000.0, 1000.0, 4000.0], dwell_s=30.0))
+    assert motion.stop_dwells_s.tolist() == [30.0, 0.0, 30.0, 30.0]
 
 
 def test_driven_seconds_go_on_over_laps_and_back() -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from zoneinfo import ZoneInfo
 
+import msgspec
 import pytest
 import sqlalchemy as sa
 
@@ -12,7 +13,7 @@ from wayline_eta.experience import Experience
 from wayline_eta.legs import Leg
 from wayline_eta.records import Came, Known, Learned, Taken
 from wayline_eta.store import EtaTables
-from wayline_eta.tables import KNOWN
+from wayline_eta.tables import KNOWN, TAKEN
 
 BERLIN = ZoneInfo("Europe/Berlin")
 HOUR_NS = 3_600 * SECOND_NS
@@ -92,3 +93,24 @@ def test_what_was_saved_before_the_first_look_counts_once(engine: sa.Engine) -> 
         if isinstance(each, Known) and each.key == f"leg\t{LEG.key}"
     ]
     assert leg.weight == 1.0
+
+
+def test_a_breakdown_is_kept_as_such_and_teaches_nothing_then_or_anew(engine: sa.Engine) -> None:
+    tables = EtaTables(engine, BERLIN)
+    for learned in runs():
+        tables.save("bus-7", learned)
+    before = expected(started(engine))
+    broken = msgspec.structs.replace(
+        runs()[0].taken,
+        t_ns=START_NS + 50 * HOUR_NS,
+        travel_s=900.0,
+        dwell_s=700.0,
+        disruption="breakdown",
+    )
+    tables.save("bus-7", Learned(taken=broken))
+    assert expected(started(engine)) == before
+    with engine.begin() as connection:
+        connection.execute(sa.delete(KNOWN))
+        kept = connection.execute(sa.select(TAKEN.c.disruption)).scalars().all()
+    assert expected(started(engine)) == before
+    assert [each for each in kept if each is not None] == ["breakdown"]

@@ -1,5 +1,6 @@
 """What vehicles teach: legs, dwells, traffic now, and how wide ranges must be."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from zoneinfo import ZoneInfo
@@ -13,6 +14,7 @@ from wayline.database import open_database
 from wayline.messages import Arrivals, StopEvent, StopEventKind
 from wayline.node import Node
 from wayline.tuning import Tuning
+from wayline_eta.congestion import CONGESTION_STD, Congestion
 from wayline_eta.core import eta_node
 from wayline_eta.experience import Experience
 from wayline_eta.forecasts import Forecast, Forecasts
@@ -154,6 +156,19 @@ def test_a_jam_is_expected_by_who_follows_and_forgotten_within_the_hour() -> Non
     assert now.travel(LEG, "r", hours).seconds == pytest.approx(
         later.travel(LEG, "r", hours).seconds, rel=0.01
     )
+
+
+def test_congestion_fades_and_is_blended_with_what_was_measured_as_a_kalman_filter_does() -> None:
+    """By hand: half an hour keeps exp(-1.5) of it, and variances weigh what is and what was."""
+    before = Congestion(START_NS, 0.2, 0.004)
+    kept = math.exp(-1_800.0 / 1_200.0)
+    faded = before.at(START_NS + 1_800 * SECOND_NS)
+    variance = kept**2 * 0.004 + (1.0 - kept**2) * CONGESTION_STD**2
+    assert faded[1:] == pytest.approx((0.2 * kept, variance))
+    after = faded.measured(0.5, 0.02)
+    gain = variance / (variance + 0.02)
+    assert after.mean == pytest.approx(0.2 * kept + gain * (0.5 - 0.2 * kept))
+    assert after.variance == pytest.approx((1.0 - gain) * variance)
 
 
 def test_dwells_are_learned_beside_the_plan() -> None:

@@ -99,9 +99,8 @@ def test_a_departure_waits_for_its_time_and_so_does_what_follows() -> None:
 
     def seconds(leaves_s: float) -> list[float]:
         leaves_ns = np.array([START_NS + leaves_s * SECOND_NS, -np.inf])
-        first, second = predict_visits(
-            as_planned(route, leaves_ns), outlook, START_NS, ExpectedMotion(route, leaves_ns)
-        )
+        by = as_planned(route, ExpectedMotion(route, leaves_ns))
+        first, second = predict_visits(by, outlook, START_NS)
         instants_ns = (first.arrival_ns, first.departure_ns, second.arrival_ns)
         return [(each - START_NS) / SECOND_NS for each in instants_ns]
 

@@ -32,6 +32,9 @@ CALIBRATION = SensorCalibration(
     position_noise_factor=1.2,
     velocity_noise_factor=0.3,
     bias_wander_factor=2.0,
+    pressure_noise_factor=1.0 / 3.0,
+    torque_noise_factor=0.05,
+    vehicle_slope_noise_factor=7.5,
 )
 POSE = LastPose(
     lat_deg=55.87051917735583,

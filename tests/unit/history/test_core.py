@@ -137,6 +137,20 @@ def test_a_stop_event_is_kept() -> None:
     assert (event.name, event.t_ns, event.detail) == ("arrived S1", at(2), "route 5A")
 
 
+def test_an_event_says_what_disrupted_the_vehicle() -> None:
+    stop = StopEvent(
+        t_ns=at(2),
+        route_id="5A",
+        stop_id="S1",
+        stop_sequence=1,
+        kind="skipped",
+        distance_m=10.0,
+        disruption="detour",
+    )
+    (event,) = kept_of([pose(1, 0, 0), stop]).events("stop")
+    assert event.detail == "route 5A, detour"
+
+
 @pytest.mark.parametrize(("rpm", "engine"), [(0.0, 0), (800.0, 1)])
 def test_the_engine_stands_with_each_pose(rpm: float, engine: int) -> None:
     kept = kept_of([Torque(t_ns=at(0), engine_speed_rpm=rpm), pose(1, 0, 0)])

@@ -14,6 +14,7 @@ from wayline.messages import HorizonPoint
 from wayline.rfc3339 import rfc3339
 from wayline_slope_map.app import create_slope_app
 from wayline_slope_map.book import SlopeBook
+from wayline_slope_map.drives import Kept
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.records import FinishedRun
 from wayline_slope_map.sums import BinEstimate, estimate, run_sums
@@ -35,10 +36,12 @@ def profile_of(*runs: FinishedRun) -> RoadProfile:
     return RoadProfile(runs[0].road, bins)
 
 
-def client(book: SlopeBook, settings: HttpSettings | None = None) -> TestClient:
-    return TestClient(
-        create_slope_app(book, settings or HttpSettings()), base_url="http://localhost"
-    )
+def client(
+    book: SlopeBook, settings: HttpSettings | None = None, kept: Kept | None = None
+) -> TestClient:
+    """An app beside a database that has so much of every vehicle; None is one that is away."""
+    app = create_slope_app(book, settings or HttpSettings(), drives=lambda *_: kept)
+    return TestClient(app, base_url="http://localhost")
 
 
 def asked(book: SlopeBook, path: str, **parameters: float | str) -> Any:

@@ -10,11 +10,12 @@ import sqlalchemy as sa
 from wayline.database import open_database
 from wayline.errors import InputError
 from wayline_slope_map.kept_run import kept, rounded
+from wayline_slope_map.ledger import listed_runs, run_name
 from wayline_slope_map.profile import RoadProfile
 from wayline_slope_map.records import FinishedRun, RunBin
 from wayline_slope_map.roads import Road
 from wayline_slope_map.store import SlopeStore
-from wayline_slope_map.withdrawal import listed_runs, run_name, withdraw
+from wayline_slope_map.withdrawal import withdraw
 
 PACKAGE = "wayline_slope_map"
 VERSIONS = "alembic_version_slope_map"
@@ -159,6 +160,7 @@ def test_a_database_of_before_keeps_its_sums_and_takes_new_runs(database_url: st
     with engine.begin() as connection:
         for column in ("kept", "withdrawn"):
             connection.execute(sa.text(f"ALTER TABLE slope_ledger DROP COLUMN {column}"))
+        connection.execute(sa.text("DROP TABLE slope_left_out"))
         connection.execute(sa.text(f"UPDATE {VERSIONS} SET version_num = 'slope_0001'"))
     engine.dispose()
     engine = open_database(database_url, PACKAGE)

@@ -1,6 +1,7 @@
 """Pure: the slope that the vehicle itself reports."""
 
 import math
+from typing import ClassVar
 
 import msgspec
 
@@ -26,6 +27,8 @@ class VehicleSlope:
     torques are used none is, because the vehicle makes its slope of the same torque. Resets: never,
     the bias wanders by itself.
     """
+
+    sensor: ClassVar[str] = "vehicle_slope"
 
     def __init__(self) -> None:
         self.evidence = OwnSlopeEvidence()

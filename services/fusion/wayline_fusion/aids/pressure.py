@@ -1,6 +1,7 @@
 """Pure: air pressures, as altitudes of the standard atmosphere."""
 
 import math
+from typing import ClassVar
 
 import msgspec
 
@@ -28,6 +29,8 @@ class AirPressure:
     how noisy the air is. Stops: an unlikely one is rejected: a door, the gust of a tunnel. Resets:
     rejected for `baro_relock_after_s`, the bias is another one.
     """
+
+    sensor: ClassVar[str] = "barometer"
 
     def __init__(self) -> None:
         self.evidence = PressureEvidence()

@@ -1,6 +1,7 @@
 """Pure: the engine's push, as a slope."""
 
 import math
+from typing import ClassVar
 
 import msgspec
 
@@ -9,7 +10,7 @@ from wayline.noise_scale import NoiseScale
 from wayline.vertical.loading import DOUBT_SLOPE_STD, Loading
 from wayline.vertical.model import Pushed
 from wayline.vertical.propulsion import Push
-from wayline.vertical.trust import TORQUE_FACTOR_MIN, is_believable_mass
+from wayline.vertical.trust import NO_SUCH_MASS, TORQUE_FACTOR_MIN, is_believable_mass
 from wayline_fusion.filter.gate import UNUSED, Outcome, Policy, try_measurement
 from wayline_fusion.filter.vertical import VerticalEstimate
 
@@ -32,6 +33,8 @@ class TorqueSlope:
     rejected for `torque_relock_after_s`, the mass is another one; after a stand it may be any.
     """
 
+    sensor: ClassVar[str] = "torque"
+
     def __init__(self) -> None:
         self.evidence = TorqueEvidence()
 
@@ -51,7 +54,7 @@ class TorqueSlope:
         pushed = Pushed(push.length_s, push.share, push.level, push.behind_m)
         measurement = kalman.model.torque(kalman.x, pushed, std)
         if not is_believable_mass(kalman.mass):
-            estimate.tell("torque", push.t_ns, "the mass would be no such vehicle's")
+            estimate.tell("torque", push.t_ns, NO_SUCH_MASS)
             return UNUSED
         if push.is_braked and float(measurement.y[0]) <= 0.0:
             return UNUSED

@@ -4,14 +4,15 @@ The model is the one that the slope map smooths with (`wayline.vertical`). How f
 come is read from the horizontal estimate, which is never touched from here.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple, Protocol, runtime_checkable
 
 import msgspec
 
 from wayline.grid import LONGEST_GAP_NS
 from wayline.likelihood import Floats, Measurement
 from wayline.messages import Verdict
+from wayline.noise_scale import NoiseScale
 from wayline.tuning import Tuning
 from wayline.vertical.filter import VerticalFilter
 from wayline.vertical.states import VerticalStates
@@ -55,6 +56,14 @@ class VerticalAid(Protocol):
     def take(self, estimate: "VerticalEstimate", event: Any) -> Outcome:
         """Use an event at whose instant the estimate is."""
         ...
+
+
+@runtime_checkable
+class NoisyAid(VerticalAid, Protocol):
+    """One that learns how noisy its sensor is, as `noise` of its evidence."""
+
+    sensor: ClassVar[str]
+    """As verdicts name it."""
 
 
 class Height(NamedTuple):
@@ -188,6 +197,21 @@ class VerticalEstimate:
     def note_torque(self) -> None:
         """A torque has just corrected."""
         self._torque_ns = self.t_ns
+
+    def noise_factors(self) -> dict[str, float]:
+        """Of the variances that are claimed or configured, as learned so far, by sensor."""
+        return {aid.sensor: aid.evidence.noise.factor for aid in self._noisy_aids()}
+
+    def know_noise(self, factors: Mapping[str, float]) -> None:
+        """Begin with factors that were learned before, each worth a few measurements."""
+        for aid in self._noisy_aids():
+            noise = NoiseScale(factor=factors[aid.sensor])
+            aid.evidence = msgspec.structs.replace(aid.evidence, noise=noise)
+        self._fresh = self._evidence = tuple(aid.evidence for aid in self._aids)
+        self._snapshot = None
+
+    def _noisy_aids(self) -> Iterator[NoisyAid]:
+        return (aid for aid in self._aids if isinstance(aid, NoisyAid))
 
     def correct(self, measurement: Measurement) -> None:
         """Update the state."""

@@ -5,8 +5,8 @@ import math
 import msgspec
 
 from wayline.messages import Barometer, GpsFix, Gyro, Odometer, Torque
-from wayline.vertical.frozen_torque import FrozenTorque
-from wayline.vertical.plausible import is_air, is_on_earth
+from wayline.vertical.frozen_torque import FROZEN, FrozenTorque
+from wayline.vertical.plausible import NO_SUCH_AIR, is_air, is_on_earth
 from wayline_fusion.intake.frozen_receiver import FrozenReceiver
 
 FASTEST_MPS = 150.0
@@ -80,9 +80,9 @@ class Plausibility:
     def _of_height(self, message: Barometer | Torque) -> str | None:
         if isinstance(message, Barometer):
             is_none = message.pressure_pa is not None and not is_air(message.pressure_pa)
-            return "no road has such air" if is_none else None
+            return NO_SUCH_AIR if is_none else None
         if self._torque.is_frozen(message, self._driven_m):
-            return "the torque does not change, however far the vehicle drives"
+            return FROZEN
         return None
 
     def _of_turn(self, t_ns: int, rate_degps: float) -> str | None:

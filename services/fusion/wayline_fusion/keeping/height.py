@@ -1,6 +1,7 @@
 """Pure: from the altitude that is believed to what is kept of it, and what is still good later."""
 
 import math
+from collections.abc import Mapping
 
 import msgspec
 import numpy as np
@@ -10,7 +11,7 @@ from wayline.vertical.loading import STOOD_S
 from wayline.vertical.model import VerticalModel
 from wayline.vertical.states import VerticalStates
 from wayline_fusion.filter.vertical import Snapshot
-from wayline_fusion.keeping.records import LastHeight, Saved
+from wayline_fusion.keeping.records import LastHeight, Saved, SensorCalibration
 
 S = VerticalStates
 STOOD_MPS = 0.5
@@ -65,6 +66,25 @@ def resumed_height(
     if covariance[S.ALTITUDE, S.ALTITUDE] > USEFUL_STD_M**2:
         return fresh
     return msgspec.structs.replace(fresh, t_ns=t_ns, known=True, x=x, P=covariance)
+
+
+def with_noise(known: SensorCalibration, factors: Mapping[str, float]) -> SensorCalibration:
+    """With how noisy the sensors of the height were found to be."""
+    return msgspec.structs.replace(
+        known,
+        pressure_noise_factor=factors["barometer"],
+        torque_noise_factor=factors["torque"],
+        vehicle_slope_noise_factor=factors["vehicle_slope"],
+    )
+
+
+def noise_of(known: SensorCalibration) -> dict[str, float]:
+    """How noisy the sensors of the height were found to be, as `with_noise` takes it."""
+    return {
+        "barometer": known.pressure_noise_factor,
+        "torque": known.torque_noise_factor,
+        "vehicle_slope": known.vehicle_slope_noise_factor,
+    }
 
 
 def _state(height: LastHeight, fresh: Snapshot) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ from wayline.tuning import Tuning
 from wayline_fusion.filter.estimate import Snapshot
 from wayline_fusion.filter.vertical import VerticalEstimate
 from wayline_fusion.intake.events import GyroRestarted
-from wayline_fusion.keeping.height import kept_height, resumed_height
+from wayline_fusion.keeping.height import kept_height, noise_of, resumed_height, with_noise
 from wayline_fusion.keeping.records import Saved
 from wayline_fusion.keeping.restart import is_after, kept, resumed
 from wayline_fusion.keeping.save_times import SaveTimes, is_silent
@@ -110,6 +110,8 @@ class EstimateKeeper:
         if is_later:
             self._saved = None
             self._begin_height(saved, t_ns)
+        if not self._is_calibrated:
+            self._vertical.know_noise(noise_of(saved.calibration))
         if not (self._is_calibrated and (self._estimator.located or not is_later)):
             self._is_calibrated = True
             self._estimator.restore(resumed(saved, self._unknowing, t_ns, self._tuning))
@@ -142,4 +144,5 @@ class EstimateKeeper:
         if saved is None:
             return []
         height = kept_height(self._vertical.snapshot())
-        return [msgspec.structs.replace(saved, height=height)]
+        calibration = with_noise(saved.calibration, self._vertical.noise_factors())
+        return [msgspec.structs.replace(saved, calibration=calibration, height=height)]

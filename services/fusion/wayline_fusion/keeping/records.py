@@ -27,6 +27,12 @@ class SensorCalibration(msgspec.Struct, frozen=True, kw_only=True):
     """Of the variance that the receiver claims, or is configured to have, for its Doppler."""
     bias_wander_factor: float = 1.0
     """Of the square of the configured walk of the gyro's bias."""
+    pressure_noise_factor: float = 1.0
+    """Of the variance that steps and weather are taken to give a pressure: wind, a fan, a door."""
+    torque_noise_factor: float = 1.0
+    """Of the variance that is configured for a slope by torque."""
+    vehicle_slope_noise_factor: float = 1.0
+    """Of the variance that is configured for a slope that the vehicle reports."""
 
 
 class LastPose(msgspec.Struct, frozen=True, kw_only=True):

@@ -24,6 +24,9 @@ VEHICLES = sa.Table(
     sa.Column("position_noise_factor", sa.Float, nullable=False),
     sa.Column("velocity_noise_factor", sa.Float, nullable=False),
     sa.Column("bias_wander_factor", sa.Float, nullable=False),
+    sa.Column("pressure_noise_factor", sa.Float, nullable=False, server_default="1.0"),
+    sa.Column("torque_noise_factor", sa.Float, nullable=False, server_default="1.0"),
+    sa.Column("vehicle_slope_noise_factor", sa.Float, nullable=False, server_default="1.0"),
     # the pose; all null where position or heading were not known
     sa.Column("lat_deg", sa.Float),
     sa.Column("lon_deg", sa.Float),
