@@ -26,6 +26,7 @@ from wayline.http import Healthz
 from wayline.inbox import Alive, Inbox, Item, Raw, Sample
 from wayline.keys import FLEET, Key, alive_key, parse_alive_key, parse_key
 from wayline.messages import Health, Message
+from wayline.outbox import Outbox
 from wayline.playback import Played
 from wayline.queryable import replier
 from wayline.receipts import Receipts
@@ -70,6 +71,7 @@ class Loop:
         )
         self._condition = Condition(service, settings, session, self._inbox, self._telemetry)
         self._publishers = Publishers(session)
+        self._outbox = Outbox(self._publishers.put)
         self._looked_s = time.monotonic()
 
     def run(self) -> None:
@@ -81,6 +83,8 @@ class Loop:
             self._open(stack)
             next_health_s = time.monotonic()
             while not (self._ending.requested or self._ended.is_set()):
+                if self._outbox.is_due or not self._inbox.backlog:
+                    self._outbox.send()
                 item = self._inbox.get(POLL_S)
                 now_s = time.monotonic()
                 self._condition.turn(now_s)
@@ -119,6 +123,7 @@ class Loop:
             queryable = self._session.declare_queryable(query, replier(answer))
             stack.callback(queryable.undeclare)
         stack.callback(self._publishers.close)
+        stack.callback(self._outbox.send)
         stack.callback(self._subscribe(served, service.topics).close)
         if Health.topic in service.topics and EVERY_VEHICLE not in served:
             stack.callback(self._subscribe((FLEET,), (Health.topic,)).close)
@@ -223,7 +228,7 @@ class Loop:
         self._show(key.vehicle_id, message, key.source, receipt)
         if key.vehicle_id != FLEET and type(message) in self._service.core_reads:
             seat = self._seats.of(key.vehicle_id)
-            seat.hear(message.t_ns, now_s)
+            seat.hear(message.t_ns, now_s, timeless=type(message) in seat.node.timeless)
             if seat.is_back:
                 log.warning("times of %s have gone back, its core starts anew", seat.vehicle_id)
                 self._publish(seat, seat.finish())
@@ -260,7 +265,7 @@ class Loop:
             self._put(seat.vehicle_id, message, seat.node.name, seat.node.age_ns)
 
     def _put(self, vehicle_id: str, message: Message, source: str, age_ns: int = 0) -> None:
-        self._publishers.put(vehicle_id, message.topic, source, encode(message))
+        self._outbox.add(vehicle_id, message.topic, source, encode(message))
         self._telemetry.published(message.topic)
         self._show(vehicle_id, message, source, Receipt(time.monotonic_ns(), age_ns))
 
@@ -272,11 +277,13 @@ class Loop:
         """Vehicles that nobody named have a seat as long as they are heard."""
         if EVERY_VEHICLE not in self._settings.served():
             return
+        self._outbox.send()  # whose publishers are forgotten has said all
         for vehicle_id in self._attendance.silent(now_s - QUIET_S):
             self._publishers.forget(vehicle_id)
         for vehicle_id in self._attendance.leave(now_s - self._settings.forget_vehicle_after_s):
             for seat in self._seats.leave(vehicle_id):
                 self._publish(seat, seat.finish())
+            self._outbox.send()
             self._publishers.forget(vehicle_id)
             self._receipts.forget(vehicle_id)
             for view in self._service.views:

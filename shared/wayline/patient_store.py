@@ -47,8 +47,8 @@ class Kept(Protocol):
 class KeptInBatches(Kept, Protocol):
     """Tables that keep many records at the price of one."""
 
-    def save_all(self, batch: Sequence[Waiting]) -> None:
-        """Keep records durably before returning, all or none; nothing new is known from them."""
+    def save_all(self, batch: Sequence[Waiting]) -> Sequence[msgspec.Struct]:
+        """Keep records durably, all or none, before returning what is known from now on."""
         ...
 
 
@@ -254,7 +254,7 @@ class PatientStore(Generic[KeptType]):
         if not (batch := self._oldest()):
             return
         try:
-            kept.save_all(batch)
+            answers = kept.save_all(batch)
         except (sa.exc.DataError, sa.exc.IntegrityError):
             # one of them is refused; which, is seen when they come one by one
             self._save_singly(kept, len(batch))
@@ -262,6 +262,8 @@ class PatientStore(Generic[KeptType]):
             with self._lock:
                 for waiting in batch:
                     self._spool.take_out(waiting)
+            for answer in answers:
+                self._news.put(answer)
         if len(self._spool):
             self._awake.set()
 

@@ -9,10 +9,15 @@ from wayline.host_clock import HostClock
 from wayline.inbox import Sample
 from wayline.messages import Health, Message
 from wayline.provenance import LATE_NS, Provenance
+from wayline.settings import EVERY_VEHICLE
 from wayline.view import Receipt
 
+EACH_MAX = 16
+"""So many vehicles are asked each by itself, which costs a subscription and a thread; of a fleet
+whose reports are all old when they come, as agencies' are, everything is heard by one."""
+
 Listen = Callable[[str], AbstractContextManager[object]]
-"""Subscribes to the `health` of a vehicle until left."""
+"""Subscribes to the `health` of a vehicle, or of every one, until left."""
 
 
 class Receipts:
@@ -48,9 +53,19 @@ class Receipts:
         return Receipt(sample.heard_ns, self._provenance.age_ns(vehicle_id, behind_ns, heard_s))
 
     def _ask_whether_recorded(self, vehicle_id: str) -> None:
-        if vehicle_id not in self._listening:
-            self._listening[vehicle_id] = stack = ExitStack()
-            stack.enter_context(self._listen(vehicle_id))
+        if vehicle_id in self._listening or EVERY_VEHICLE in self._listening:
+            return
+        each = list(self._listening)
+        if len(each) < EACH_MAX:
+            self._listen_to(vehicle_id)
+            return
+        self._listen_to(EVERY_VEHICLE)
+        for listened in each:
+            self._listening.pop(listened).close()
+
+    def _listen_to(self, vehicle_id: str) -> None:
+        self._listening[vehicle_id] = stack = ExitStack()
+        stack.enter_context(self._listen(vehicle_id))
 
     def hear(self, vehicle_id: str, health: Health, source: str) -> None:
         """Take what a vehicle's service says of itself."""

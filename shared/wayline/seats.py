@@ -41,13 +41,24 @@ class Seat:
     node: Node
     last_ns: int = 0
     heard_s: float = 0.0
+    _timed_ns: int = 0
+    """Of messages that make ticks due; `last_ns` is of all."""
     _back: Back | None = None
 
-    def hear(self, t_ns: int, now_s: float) -> None:
-        """Note that a message has come; `now_s` is of the monotonic clock."""
+    def hear(self, t_ns: int, now_s: float, *, timeless: bool = False) -> None:
+        """Note that a message has come; `now_s` is of the monotonic clock.
+
+        Of `timeless` ones (see `Node`) another service makes what makes ticks due. One that is
+        busy lags behind: that takes no time back.
+        """
         self.heard_s = now_s
+        lags = not timeless and t_ns > self._timed_ns - BACK_NS
+        if not timeless:
+            self._timed_ns = max(self._timed_ns, t_ns)
         if t_ns > self.last_ns - BACK_NS:
             self.last_ns, self._back = max(self.last_ns, t_ns), None
+        elif lags:
+            return
         elif self._back is None:
             self._back = Back(t_ns, now_s)
         else:

@@ -1,6 +1,7 @@
 """What every service's command does before and after its loop."""
 
 import argparse
+import gc
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -48,6 +49,10 @@ def main(name: str, purpose: str, build: Build, *, plays: bool = False) -> None:
         sys.exit(2)
     except KeyboardInterrupt:
         sys.exit(0)
+    finally:
+        # at its end Python looks for cycles in all that it has loaded, again and again: on a busy
+        # machine longer than a supervisor waits
+        gc.freeze()
 
 
 def _add_play_arguments(parser: argparse.ArgumentParser) -> None:

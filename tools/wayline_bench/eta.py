@@ -12,6 +12,7 @@ from wayline.messages import GpsFix, Pose
 from wayline.route import Route, make_route
 from wayline.stops import StopPlace
 from wayline.tuning import Tuning
+from wayline_bench.eta_agency import agency_row
 from wayline_bench.eta_http import http_rows
 from wayline_bench.rounds import Say, Work, cpu_s, in_turns
 from wayline_bench.row import Row, compared
@@ -36,7 +37,8 @@ KEEPS_UP = "as long as it takes"
 def bench(say: Say) -> list[Row]:
     """Every row; needs no recorded data."""
     route = town_route()
-    return [pose_row(route, say), poses_row(route, say), reports_row(route, say), *http_rows(say)]
+    ours = [pose_row(route, say), poses_row(route, say), reports_row(route, say)]
+    return [*ours, agency_row(say), *http_rows(say)]
 
 
 def town_route() -> Route:

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import msgspec
@@ -69,14 +70,7 @@ def _read(what: str, feed: Path, *database: str) -> Reading:
 
 def write_feed(folder: Path) -> None:
     """A feed of TRIPS trips of STOPS stops, on PATTERNS lines from south to north."""
-    folder.mkdir()
     tables = {
-        "agency": ["agency_id,agency_name,agency_url,agency_timezone", "A,A,x,Europe/Berlin"],
-        "calendar": [
-            "service_id,monday,tuesday,wednesday,thursday,friday,saturday,sunday,"
-            "start_date,end_date",
-            "S,1,1,1,1,1,1,1,20260101,20261231",
-        ],
         "routes": ["route_id,agency_id,route_short_name,route_type"]
         + [f"R{line},A,{line},3" for line in range(PATTERNS)],
         "stops": ["stop_id,stop_name,stop_lat,stop_lon"]
@@ -93,11 +87,26 @@ def write_feed(folder: Path) -> None:
         f"T{trip},{clock},{clock},S{trip % PATTERNS}-{at},{at + 1}"
         for trip in range(TRIPS)
         for at in range(STOPS)
-        for clock in (_clock(4 * 3600 + trip // PATTERNS * 240 + 90 * at),)
+        for clock in (clock_of(4 * 3600 + trip // PATTERNS * 240 + 90 * at),)
     ]
-    for name, lines in tables.items():
+    write_tables(folder, tables)
+
+
+def write_tables(folder: Path, tables: Mapping[str, Sequence[str]]) -> None:
+    """A feed of these tables, by an agency in Berlin that runs service S every day of 2026."""
+    folder.mkdir()
+    always = {
+        "agency": ["agency_id,agency_name,agency_url,agency_timezone", "A,A,x,Europe/Berlin"],
+        "calendar": [
+            "service_id,monday,tuesday,wednesday,thursday,friday,saturday,sunday,"
+            "start_date,end_date",
+            "S,1,1,1,1,1,1,1,20260101,20261231",
+        ],
+    }
+    for name, lines in {**always, **tables}.items():
         (folder / f"{name}.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _clock(seconds: int) -> str:
+def clock_of(seconds: int) -> str:
+    """A time of the timetable."""
     return f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}"

@@ -13,6 +13,7 @@ from wayline.errors import InputError
 from wayline.messages import Arrivals, GpsFix, Pose, Progress, StopEvent
 from wayline.node import Node
 from wayline.replayed_drive import ReplayedDrive
+from wayline.route import Route
 from wayline.route_file import load_route
 from wayline.timetable.reading import read_timetable
 from wayline_eta.replayed import node
@@ -20,7 +21,14 @@ from wayline_eta.scores import Prediction
 from wayline_evaluation.eta import Beside, EtaReport, EtaRun, lap_score, predictions_of, report_of
 from wayline_evaluation.eta_timetable import promised
 from wayline_evaluation.eta_trials import CAME, errors_of, trials_from, trials_of
-from wayline_evaluation.eta_yardstick import Ask, asked, other_laps, told_streets
+from wayline_evaluation.eta_yardstick import (
+    Ask,
+    asked,
+    expect_yardstick,
+    no_yardstick,
+    other_laps,
+    told_streets,
+)
 from wayline_evaluation.reference import Reference
 from wayline_evaluation.replays import (
     MessageType,
@@ -68,6 +76,9 @@ def eta_study(
     time.
     """
     jobs = [Job(each, followed, options.keep(each), options.yardstick) for each in folders]
+    for job in jobs:
+        if job.yardstick:
+            expect_yardstick(job.folder, truth_of(job.folder), _routes(job.folder, followed))
     at_a_time = options.jobs if followed.database_url is None else 1
     runs = list(done_by(_run, jobs, at_a_time, progressed))
     return report_of(runs), runs
@@ -129,8 +140,7 @@ def _yardstick(job: Job, way: Sequence[Progress], events: Sequence[StopEvent]) -
     """Who knows more of a drive. Raises InputError where nobody does."""
     ask = told_streets(job.folder) or other_laps(way, events)
     if ask is None:
-        mend = "name drives of wayline simulate network, or several laps of a loop with a truth"
-        raise InputError(str(job.folder), "there is no yardstick for it", mend)
+        raise no_yardstick(job.folder)
     return ask
 
 
@@ -149,17 +159,20 @@ def _true_way(job: Job, out: Path) -> tuple[list[StopEvent], list[Progress]]:
 
 def _eta(folder: Path, followed: Followed) -> Node:
     """For a receiver that errs by nothing."""
-    drive = load_drive(folder)
-    own = drive.route.paths if drive.route else ()
-    routes = followed.routes or tuple(map(Path, own))
     return node(
         ReplayedDrive(
-            drive=drive,
-            routes=tuple(load_route(path) for path in routes),
+            drive=load_drive(folder),
+            routes=_routes(folder, followed),
             timetables=tuple(read_timetable(path) for path in followed.feeds),
             database_url=None,
         )
     )
+
+
+def _routes(folder: Path, followed: Followed) -> tuple[Route, ...]:
+    route = load_drive(folder).route
+    own = map(Path, route.paths) if route else ()
+    return tuple(load_route(path) for path in followed.routes or own)
 
 
 def _assigned(job: Job) -> list[GpsFix]:

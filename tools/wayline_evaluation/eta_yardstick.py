@@ -12,10 +12,13 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from wayline.errors import InputError
 from wayline.messages import Arrivals, Progress, StopArrival, StopEvent
+from wayline.route import Route
 from wayline.timetable.calendar import SECOND_NS, instant_ns
 from wayline_evaluation.eta import EVERY_NS, Beside
 from wayline_evaluation.other_laps import OtherLaps
+from wayline_evaluation.reference import Reference
 from wayline_evaluation.told_streets import ToldStreets
 from wayline_simulator.network.files import DayFacts, read_day_facts
 from wayline_simulator.network.model import ZONE
@@ -24,6 +27,9 @@ from wayline_simulator.network.simulation import make_network, ride_of, traffic_
 Floats = NDArray[np.float64]
 Ask = Callable[[Arrivals], dict[str, Floats]]
 """When the vehicle may come to the stops ahead, by stop, in Unix seconds."""
+
+LAPS_MIN = 2
+"""So many laps are driven to an end, so that one more is known beside each."""
 
 
 def asked(told: Sequence[Arrivals], ask: Ask) -> Beside:
@@ -45,6 +51,21 @@ def _arrival(stop: StopArrival, may_come_s: Floats) -> StopArrival:
         round(float(each) * SECOND_NS) for each in np.quantile(may_come_s, (0.1, 0.5, 0.9))
     )
     return msgspec.structs.replace(stop, arrival_ns=middle_ns, early_ns=early_ns, late_ns=late_ns)
+
+
+def expect_yardstick(folder: Path, truth: Reference | None, routes: Sequence[Route]) -> None:
+    """Raise InputError for a drive of which nobody can know more, before it is replayed."""
+    loops_m = [route.length_m for route in routes if route.loop]
+    driven_m = 0.0 if truth is None else float(truth.distances_m[-1])
+    goes_round = bool(loops_m) and driven_m >= LAPS_MIN * min(loops_m)
+    if not goes_round and read_day_facts(folder) is None:
+        raise no_yardstick(folder)
+
+
+def no_yardstick(folder: Path) -> InputError:
+    """What is wrong with a drive that has none."""
+    mend = "name drives of wayline simulate network, or several laps of a loop with a truth"
+    return InputError(str(folder), "there is no yardstick for it", mend)
 
 
 def told_streets(folder: Path) -> Ask | None:
@@ -77,7 +98,7 @@ def _of_day(facts: DayFacts) -> Ask:
 
 def other_laps(progress: Sequence[Progress], events: Sequence[StopEvent]) -> Ask | None:
     """Who knows all other laps of a loop; None where there are none."""
-    if not progress or max(each.lap for each in progress) < 2:
+    if not progress or max(each.lap for each in progress) < LAPS_MIN:
         return None
     laps = OtherLaps(progress, events)
 

@@ -37,6 +37,8 @@ from wayline_eta.store import EtaTables
 from wayline_eta.timetable_core import timetable_node
 
 NAME = "eta"
+WAITING_MAX = 10_000
+"""Records: every vehicle's scores come on the minute."""
 
 
 def build(settings: Settings, options: Namespace) -> Service:
@@ -49,7 +51,7 @@ def build(settings: Settings, options: Namespace) -> Service:
     store = None
     if settings.database_url is not None:
         where = Tables(settings.database_url, "wayline_eta", partial(EtaTables, zone=lessons.zone))
-        store = PatientStore(where, settings, lessons.remember)
+        store = PatientStore(where, settings, lessons.remember, capacity=WAITING_MAX)
     left_out = LeftOut()
     make_node = _make_node(settings, routes, timetables, lessons, store, left_out=left_out)
     board = EtaBoard()

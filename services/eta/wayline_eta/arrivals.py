@@ -27,8 +27,6 @@ from wayline_eta.stop_visits import next_visits_m
 Floats = NDArray[np.float64]
 
 FLOOR_S = 1.0
-RUN_STD = 0.08
-"""Of the logarithm of a whole run's time, beside its legs' own."""
 SHORT_S = 1.0
 UNSEEN_STD = 0.2
 """Of the time to the first stop of a route, in shares of it."""
@@ -165,40 +163,44 @@ def _times(by: Expectations, outlook: Outlook, order: NDArray[np.intp], visits_m
     travels_s, travels_s2 = by.travel_s[order], by.travel_s2[order]
     travels_s[0], travels_s2[0] = _rest(by, outlook, int(order[0]), float(visits_m[0]))
     dwells_s, dwells_s2 = by.dwell_s[order], by.dwell_s2[order]
+    commons_s = by.run_std[order] * travels_s
     begins_s, begins_s2 = outlook.stand.left_s, _place_s(by.legs.route, outlook) ** 2
     if by.legs.motion is None:
         departures_s = begins_s + (travels_s + dwells_s).cumsum()
         arrivals_s = departures_s - dwells_s
         variances_s2 = begins_s2 + (travels_s2 + dwells_s2).cumsum() - dwells_s2
-        shared_s2 = (RUN_STD * travels_s.cumsum()) ** 2
-        return Ahead(arrivals_s, departures_s, variances_s2 + shared_s2)
+        return Ahead(arrivals_s, departures_s, variances_s2 + commons_s.cumsum() ** 2)
     if by.legs.motion.is_untold:
         travels_s2 = travels_s2 + np.where(by.is_driven[order], 0.0, UNTOLD_STD_S**2)
     earliest_s = (by.legs.leaves_ns[order] - outlook.t_ns) * 1e-9
     leaves = earliest_s + by.late_s[order], by.late_s2[order]
-    return _waiting((begins_s, begins_s2), (travels_s, travels_s2), (dwells_s, dwells_s2), leaves)
+    travels = travels_s, travels_s2, commons_s
+    return _waiting((begins_s, begins_s2), travels, (dwells_s, dwells_s2), leaves)
 
 
 def _waiting(
     begins: tuple[float, float],
-    travels: tuple[Floats, Floats],
+    travels: tuple[Floats, Floats, Floats],
     dwells: tuple[Floats, Floats],
     leaves: tuple[Floats, Floats],
 ) -> Ahead:
-    """Means and variances added up; a vehicle that is early waits, which makes up for delays."""
-    (at_s, at_s2), driven_s = begins, 0.0
+    """Means and variances added up; a vehicle that is early waits, which makes up for delays.
+
+    The third of the travels is the std of what they have in common with the others.
+    """
+    (at_s, at_s2), common_s = begins, 0.0
     rows = zip(*(each.tolist() for each in (*travels, *dwells, *leaves)), strict=True)
     arrivals_s, departures_s, variances_s2 = [], [], []
-    for travel_s, travel_s2, dwell_s, dwell_s2, leaves_s, leaves_s2 in rows:
-        at_s, at_s2, driven_s = at_s + travel_s, at_s2 + travel_s2, driven_s + travel_s
+    for travel_s, travel_s2, travel_common_s, dwell_s, dwell_s2, leaves_s, leaves_s2 in rows:
+        at_s, at_s2, common_s = at_s + travel_s, at_s2 + travel_s2, common_s + travel_common_s
         arrivals_s.append(at_s)
-        variances_s2.append(at_s2 + (RUN_STD * driven_s) ** 2)
+        variances_s2.append(at_s2 + common_s**2)
         at_s, at_s2 = at_s + dwell_s, at_s2 + dwell_s2
         if math.isfinite(leaves_s):
-            whole_s2 = at_s2 + (RUN_STD * driven_s) ** 2
-            at_s, at_s2, late = later_of((at_s, whole_s2), (leaves_s, leaves_s2))
-            driven_s *= late
-            at_s2 = max(at_s2 - (RUN_STD * driven_s) ** 2, 0.0)
+            late_s = at_s, at_s2 + common_s**2
+            at_s, at_s2, late = later_of(late_s, (leaves_s, leaves_s2))
+            common_s *= late
+            at_s2 = max(at_s2 - common_s**2, 0.0)
         departures_s.append(at_s)
     return Ahead(np.array(arrivals_s), np.array(departures_s), np.array(variances_s2))
 

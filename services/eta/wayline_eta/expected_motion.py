@@ -82,11 +82,10 @@ class ExpectedMotion:
         if not stops:
             return np.full(len(totals_m), np.inf), np.zeros(len(totals_m), dtype=np.intp)
         if not loop:
-            which = np.searchsorted(self.stops_m, totals_m + 0.01, side="right")
-            places_m = np.append(self.stops_m, np.inf)[which]
-            return places_m, np.minimum(which, stops - 1)
+            which = self.stops_m.searchsorted(totals_m + 0.01, side="right")
+            return self._stops_and_beyond_m[which], np.minimum(which, stops - 1)
         laps, withins_m = np.divmod(totals_m + 0.01, self._route.length_m)
-        which = np.searchsorted(self.stops_m, withins_m, side="right")
+        which = self.stops_m.searchsorted(withins_m, side="right")
         laps = laps + (which == stops)
         which = which % stops
         return self.stops_m[which] + laps * self._route.length_m, which
@@ -162,6 +161,10 @@ class ExpectedMotion:
     def is_untold(self) -> bool:
         """Whether dwells are not in the plan, so that they are guessed."""
         return bool(np.any(self._untold_s > 0.0))
+
+    @cached_property
+    def _stops_and_beyond_m(self) -> Floats:
+        return np.append(self.stops_m, np.inf)
 
     @cached_property
     def _times_s(self) -> Floats:

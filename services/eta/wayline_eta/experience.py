@@ -28,11 +28,16 @@ OTHERS_HELD = 3.0
 """What the plan itself is worth beside all of its legs as they went on earlier runs."""
 EARLIER_NS = 2 * 3_600 * 1_000_000_000
 """A run is an earlier one after so long."""
-LEG_STD = 0.12
-"""Of the logarithm from run to run, before runs have told; worth PRIOR_RUNS."""
+LEG_STD, LIGHTS_STD_S = 0.12, 10.0
+"""From run to run before runs have told: of the logarithm, and what lights and queues add."""
 PRIOR_RUNS = 4.0
+"""What that is worth."""
 PLAN_STD, TIMETABLE_STD = 0.14, 0.12
 """Of the logarithm of what nobody has driven, from its plan."""
+PLAN_RUN_STD, TIMETABLE_RUN_STD = 0.3, 0.12
+"""Of what all legs of a plan have in common: it may be wrong as a whole."""
+SHOWN_LEGS = 2.0
+"""Legs that show as much of that as is known before any has."""
 RATIO_MAX = 20.0
 """A leg that took so many times its plan is a breakdown or a detour, and so is its inverse."""
 DWELL_MAX_S = 1_200.0
@@ -58,6 +63,7 @@ class Experience:
         self._zone = zone
         self._plan_held = TIMETABLE_HELD if is_timetable else PLAN_HELD
         self._plan_variance = (TIMETABLE_STD if is_timetable else PLAN_STD) ** 2
+        self._run_variance = (TIMETABLE_RUN_STD if is_timetable else PLAN_RUN_STD) ** 2
         self._all: defaultdict[str, Forgetful] = defaultdict(Forgetful)
         """By the keys of `teachings`."""
         self._now: dict[str, Congestion] = {}
@@ -71,7 +77,7 @@ class Experience:
         """
         if is_now and seen.leg is not None and _is_usual(seen):
             ratio = math.log(seen.travel_s / seen.planned_s)
-            usual, variance = self._usual(seen.leg, seen.plan, seen.t_ns)
+            usual, variance = self._usual(seen.leg, seen.planned_s, seen.plan, seen.t_ns)
             now = self._now.get(seen.leg, Congestion(seen.t_ns)).at(seen.t_ns)
             self._now[seen.leg] = now.measured(ratio - usual, variance)
         for key, value in teachings(seen, self._zone):
@@ -93,10 +99,22 @@ class Experience:
             self._all[key] = self._all[key].with_value(young.popleft()[1])
         return self._known(key).blended(0.0, OTHERS_HELD)
 
+    def plan_std(self, plan: str, t_ns: int) -> float:
+        """Of the logarithm of what legs that nobody has driven take, of what they have in common.
+
+        The legs of now show how wrong the plan is; what is told does not go by them, so it is as
+        wrong as they are.
+        """
+        off = self.plan_off(plan, t_ns)
+        shown = [value - off for _, value in self._young[_plan_key(plan)]]
+        known = self._known(_plan_key(plan)).weight + len(shown)
+        left = self._run_variance * SHOWN_LEGS / (SHOWN_LEGS + known)
+        return math.hypot(math.sqrt(left), sum(shown) / (SHOWN_LEGS + len(shown)))
+
     def travel(self, leg: Leg, plan: str, t_ns: int, ahead_s: float = 0.0) -> Expected:
         """Of a leg that is begun `ahead_s` from an instant."""
         begun_ns = t_ns + round(ahead_s * 1e9)
-        usual, variance = self._usual(leg.key, plan, begun_ns)
+        usual, variance = self._usual(leg.key, leg.planned_s, plan, begun_ns)
         if (now := self._now.get(leg.key)) is not None:
             faded = now.at(begun_ns)
             usual, variance = usual + faded.mean, variance + faded.variance
@@ -129,7 +147,7 @@ class Experience:
         """How many dwells at a stop have taught, those of long ago for less."""
         return self._known(_dwell_key(stop)).weight
 
-    def _usual(self, leg: str, plan: str, t_ns: int) -> tuple[float, float]:
+    def _usual(self, leg: str, planned_s: float, plan: str, t_ns: int) -> tuple[float, float]:
         """The logarithm of taken over planned, and its variance for one run."""
         day, slot = slot_of(t_ns, self._zone)
         of_leg, of_slot = self._known(_leg_key(leg)), self._known(_leg_key(leg, day, slot))
@@ -138,7 +156,8 @@ class Experience:
         mean = of_slot.blended(mean, SLOT_HELD)
         unsure = self._plan_variance * self._plan_held / (of_leg.weight + self._plan_held)
         spread = of_slot if of_slot.weight > PRIOR_RUNS else of_leg
-        return mean, spread.variance(LEG_STD**2, PRIOR_RUNS) + unsure
+        prior = LEG_STD**2 + (LIGHTS_STD_S / planned_s) ** 2
+        return mean, spread.variance(prior, PRIOR_RUNS) + unsure
 
     def _known(self, key: str) -> Forgetful:
         return self._all.get(key, Forgetful())

@@ -21,6 +21,9 @@ from wayline_eta.records import Came, Known, Learned, Scored, ScoredDay
 Floats = NDArray[np.float64]
 TakeScores = Callable[[Scored | ScoredDay], None]
 
+RUN_STD = 0.08
+"""Of the logarithm of a whole run's time, beside its legs' own."""
+
 
 class Lessons:
     """Travel and dwell times, and how forecasts came. `is_timetable` says whose times plans are.
@@ -69,6 +72,8 @@ class Expectations(NamedTuple):
     travel_s: Floats
     travel_s2: Floats
     """Its variance."""
+    run_std: Floats
+    """Of the logarithm of a run's time, of what its legs have in common."""
     dwell_s: Floats
     dwell_s2: Floats
     late_s: Floats
@@ -105,20 +110,23 @@ def expectations(lessons: Lessons, legs: Legs, plan: str, t_ns: int) -> Expectat
     travel_s, travel_s2 = np.array(travels, dtype=np.float64).reshape(-1, 2).T
     late_s, late_s2 = np.array(lates, dtype=np.float64).reshape(-1, 2).T
     dwell_s, dwell_s2 = np.array(dwells, dtype=np.float64).reshape(-1, 2).T
+    is_driven = np.array(
+        [leg is not None and experience.is_driven(leg.key) for leg in known], dtype=np.bool_
+    )
+    plan_std = math.hypot(RUN_STD, experience.plan_std(plan, t_ns))
     return Expectations(
         legs=legs,
         planned_s=np.array([0.0 if leg is None else leg.planned_s for leg in known]),
         travel_s=travel_s,
         travel_s2=travel_s2,
+        run_std=np.where(is_driven, RUN_STD, plan_std),
         dwell_s=dwell_s,
         dwell_s2=dwell_s2,
         late_s=late_s,
         late_s2=late_s2,
         first_factor=math.exp(experience.plan_off(plan, t_ns)),
         dwells_seen=np.array([experience.dwells_seen(key) for key in legs.keys]),
-        is_driven=np.array(
-            [leg is not None and experience.is_driven(leg.key) for leg in known], dtype=np.bool_
-        ),
+        is_driven=is_driven,
         early_scales=np.array([scale.early for scale in scales]),
         late_scales=np.array([scale.late for scale in scales]),
     )

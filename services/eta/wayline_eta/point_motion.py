@@ -31,8 +31,12 @@ TERMINAL_S = 60.0
 """Where an open route begins vehicles wait, whether or not that is their time."""
 FOR_GOOD_S = 1e6
 """Where an open route ends they stay."""
+QUEUE_TAIL = 2.0
+"""Exponent of how long lights and queues last: they are over sooner than what holds a bus up."""
 OVERDUE_SHARE = 0.3
 """At a stop, where a dwell is over: so much of such a stand."""
+HELD_UP_AFTER_S = 60.0
+"""What has outlasted a dwell or a light by so long is neither any more."""
 
 
 class PointMotion:
@@ -72,16 +76,20 @@ class PointMotion:
     ) -> Points:
         """Some points in the middle of a stand, at a stop where one is near."""
         at_m = stop[0] if stop else place_m
-        stands_s = np.full(POINTS, HELD_UP_S)
         if stop:
             stands_s = np.maximum(self.motion.dwells_s[stop[1]] + points.extras_s, 2.0)
+        else:
+            stands_s = self._held_s()
         if stop and stop[0] <= self.motion.start_m:
             stands_s = np.maximum(stands_s, TERMINAL_S)
         stood_s = stands_s * self._draws.even()
+        (planned_s,) = self.motion.driven_s(np.array([at_m]))
         leg = points.leg._replace(
             begins_m=np.where(which, at_m, points.leg.begins_m),
             ends_m=np.where(which, at_m, points.leg.ends_m),
             comes_s=np.where(which, at_s - stood_s, points.leg.comes_s),
+            begun_s=np.where(which, planned_s, points.leg.begun_s),
+            ended_s=np.where(which, planned_s, points.leg.ended_s),
         )
         return points._replace(
             leg=leg,
@@ -99,8 +107,10 @@ class PointMotion:
         over_s = np.maximum(np.minimum(stood_s - usual_s, overdue_s) - DWELL_STD_S, 0.0)
         at_start = at_stop & (points.leg.ends_m <= self.motion.start_m) & np.isinf(overdue_s)
         least_s = np.where(at_start, TERMINAL_S, HELD_UP_S)
-        tail_s = (least_s + over_s) * (self._draws.even() ** (-1.0 / TAIL) - 1.0)
-        tail_s = np.where(at_stop & ~at_start, OVERDUE_SHARE, 1.0) * tail_s
+        held_up = over_s > HELD_UP_AFTER_S
+        exponents = np.where(held_up, -1.0 / TAIL, -1.0 / QUEUE_TAIL)
+        tail_s = (least_s + over_s) * (self._draws.even() ** exponents - 1.0)
+        tail_s = np.where(at_stop & ~at_start & ~held_up, OVERDUE_SHARE, 1.0) * tail_s
         rest_s = dwells_s - stood_s
         stands_s = np.where(at_stop & (rest_s > 0.0), rest_s, tail_s)
         stands_s = np.maximum(stands_s, self._waits_s(points.stops, np.full(POINTS, at_s)))
@@ -153,12 +163,16 @@ class PointMotion:
 
     def _stands_s(self, points: Points, stops: Indices, leg: Leg) -> Floats:
         """How long vehicles will stand where they come to."""
-        held_s = HELD_UP_S * self._draws.even() ** (-1.0 / TAIL)
+        held_s = self._held_s()
         dwells_s = self._dwells_s(stops, points.extras_s) + DWELL_STD_S * self._draws.normal()
         stands_s = np.where(stops == BETWEEN, held_s, np.maximum(dwells_s, 1.0))
         stands_s = np.maximum(stands_s, self._waits_s(stops, leg.comes_s))
         ended = leg.ends_m >= min(self.motion.end_m, self.motion.last_m) - 0.1
         return np.where(ended, FOR_GOOD_S, stands_s)
+
+    def _held_s(self) -> Floats:
+        """How long stands between stops last, those just begun."""
+        return HELD_UP_S * self._draws.even() ** (-1.0 / QUEUE_TAIL)
 
     def _waits_s(self, stops: Indices, at_s: Floats) -> Floats:
         """Until the vehicle may leave stops, of those that it has come to at instants."""

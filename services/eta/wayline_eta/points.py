@@ -33,6 +33,17 @@ class Leg(NamedTuple):
     downs_s: Floats
     """How long they brake."""
     comes_s: Floats
+    begun_s: Floats
+    """Planned driving from the route's start to where they begin, in seconds: asked for at every
+    instant, and the same as long as they are on the leg."""
+    ended_s: Floats
+    """Planned driving from the route's start to where they end."""
+
+    def planned_by(self, motion: ExpectedMotion) -> "Leg":
+        """The same ways, at the same paces, by another plan."""
+        return self._replace(
+            begun_s=motion.driven_s(self.begins_m), ended_s=motion.driven_s(self.ends_m)
+        )
 
 
 class Points(NamedTuple):
@@ -77,10 +88,9 @@ class Points(NamedTuple):
         up = np.where(leg.ups_s > 0.0, since_s / np.maximum(leg.ups_s, TINY_S), 1.0)
         return np.clip(np.minimum(up, until_s / np.maximum(leg.downs_s, TINY_S)), 0.0, 1.0)
 
-    def speeds_mps(self, at_s: float, motion: ExpectedMotion) -> Floats:
-        """At an instant."""
-        planned_mps = motion.speeds_mps(self.places_m(at_s, motion))
-        return np.asarray(self.phases(at_s) * self.leg.rates * planned_mps)
+    def speeds_mps(self, at_s: float, places_m: Floats, motion: ExpectedMotion) -> Floats:
+        """At an instant, when they are at `places_m`."""
+        return np.asarray(self.phases(at_s) * self.leg.rates * motion.speeds_mps(places_m))
 
     def places_m(self, at_s: float, motion: ExpectedMotion) -> Floats:
         """Along the route at an instant."""
@@ -90,8 +100,8 @@ class Points(NamedTuple):
         ups_s, downs_s = np.maximum(leg.ups_s, TINY_S), np.maximum(leg.downs_s, TINY_S)
         # planned seconds of driving, at a rate that rises and falls evenly
         gone_s = np.where(since_s < ups_s, since_s**2 / (2.0 * ups_s), since_s - ups_s / 2.0)
-        begun_s = motion.driven_s(leg.begins_m) + leg.rates * gone_s
-        ended_s = motion.driven_s(leg.ends_m) - leg.rates * until_s**2 / (2.0 * downs_s)
+        begun_s = leg.begun_s + leg.rates * gone_s
+        ended_s = leg.ended_s - leg.rates * until_s**2 / (2.0 * downs_s)
         places_m = motion.distance_at(np.where(until_s < downs_s, ended_s, begun_s))
         return np.where(until_s <= 0.0, leg.ends_m, np.clip(places_m, leg.begins_m, leg.ends_m))
 
@@ -106,7 +116,8 @@ def made_leg(
     rolling: bool,
 ) -> Leg:
     """A leg at so much of the planned speeds; `rolling` ones begin under way."""
-    planned_s = motion.driven_s(ends_m) - motion.driven_s(begins_m)
+    begun_s, ended_s = motion.driven_s(begins_m), motion.driven_s(ends_m)
+    planned_s = ended_s - begun_s
     speeds_mps = rates * (ends_m - begins_m) / np.maximum(planned_s, TINY_S)
     downs_s = np.maximum(speeds_mps / RATE_MPS2, TINY_S)
     ups_s = np.zeros(len(downs_s)) if rolling else downs_s
@@ -115,4 +126,5 @@ def made_leg(
     share = np.maximum(share, TINY_S)
     rates, ups_s, downs_s = share * rates, share * ups_s, share * downs_s
     whole_s = planned_s / rates + (ups_s + downs_s) / 2.0
-    return Leg(begins_m, ends_m, set_out_s, rates, ups_s, downs_s, set_out_s + whole_s)
+    comes_s = set_out_s + whole_s
+    return Leg(begins_m, ends_m, set_out_s, rates, ups_s, downs_s, comes_s, begun_s, ended_s)

@@ -21,6 +21,8 @@ AHEAD_NS = round(MBTA_SPANS_MIN[-1][1]) * EVERY_NS
 """Farther ahead nothing is scored."""
 OVERDUE_NS = 30 * EVERY_NS
 NEVER_NS = 1 << 62
+NOTHING_CAME = sums_of(())
+"""Of most minutes."""
 PROMISES_MAX = 2_000
 """Of one vehicle; the oldest are forgotten first."""
 
@@ -106,7 +108,7 @@ class Promises:
     def _sums(self, route_id: str) -> Sums:
         seen = self._seen[route_id]
         return msgspec.structs.replace(
-            sums_of(self._came[route_id]),
+            sums_of(came) if (came := self._came.get(route_id)) else NOTHING_CAME,
             arrivals=seen.arrivals,
             on_route_s=seen.on_route_s,
             told_s=seen.told_s,

@@ -15,6 +15,7 @@ from wayline_eta.place_tracker import Place, PlaceTracker, travelled_between_m
 from wayline_eta.presence import WRONG_WAY_DEG, Presence
 from wayline_eta.stop_log import Seen
 from wayline_eta.stop_visits import StopVisits
+from wayline_eta.told_place import HOLD_M, ToldPlace
 
 Floats = NDArray[np.float64]
 
@@ -23,15 +24,8 @@ REACHED_M = 0.5
 """A vehicle whose place is told so near before a stop has reached it: places are means."""
 SEAM_M = 1e-6
 """So near before its end a lap is over: sums of distances are rounded."""
-HOLD_M = 30.0
 HOLD_SIGMAS = 3.0
-"""A place that falls back by less than this is noise: progress waits for it to catch up."""
-TAKEN_BACK_MPS = 30.0
-"""What was told too much of a vehicle that stood between two reports is taken back in steps of
-noise, one each second: to wait until the vehicle has caught up would cost 20 m at the 95th
-percentile."""
-WENT_BACK_M = 100.0
-"""A vehicle that reports from so far behind its last report is on another place than was told."""
+"""Of a pose: a place that falls back by less, or by HOLD_M, is noise."""
 
 
 class RouteFollower:
@@ -53,8 +47,7 @@ class RouteFollower:
         """While the vehicle is followed by its reports, on the route."""
         self._has_turned = False
         """It drives back from the last stop, which it reached between two reports."""
-        self._told_m = self._waits_at_m = 0.0
-        """What had been told when the last report came, and down to where that is taken back."""
+        self._told = ToldPlace()
 
     @property
     def on_route(self) -> bool:
@@ -146,8 +139,11 @@ class RouteFollower:
         if reported:
             self._report(pose, lat_deg, lon_deg)
             return
+        told_m = None if self._along is None else self._total_at(pose.t_ns)
         self._along = None
         place = self._held(self._tracker.observe(pose, lat_deg, lon_deg))
+        if told_m is not None:
+            self._told.see(pose.t_ns, told_m, self.total_m, place.total_m)
         self._speed_mps = _speed_of(self._pose, pose)
         self._pose, self._place = pose, place
         if self._presence.observe(place, self._speed_mps):
@@ -164,7 +160,8 @@ class RouteFollower:
         if silent_s > self._tuning.eta_forget_after_s:
             self._along = None
         before = self._along.at(pose.t_ns) if self._along is not None else None
-        last_m, self._told_m = self.total_m, self._floor_at(pose.t_ns)
+        last_m = self.total_m
+        self._told.keep(pose.t_ns)
         if self._pose is not None and pose.t_ns == self._pose.t_ns and self._place is not None:
             place = self._place
         else:
@@ -186,7 +183,8 @@ class RouteFollower:
         if not is_far or self._along is None:
             self._along = self._measured(pose, place)
         along = self._along.at(pose.t_ns)
-        self._hold(before, last_m, along)
+        expected_m = before.total_m if before is not None else None
+        self._told.report(expected_m, last_m, along.total_m, drives=along.speed_mps > 0.0)
         self._place = place._replace(total_m=along.total_m)
         self._visits.observe(along.total_m, along.speed_mps, pose.t_ns)
 
@@ -207,22 +205,6 @@ class RouteFollower:
             moves = True if told_mps >= moving else False if told_mps < standing else None
         along.report(pose.t_ns, place.total_m, place.along_std_m, moves=moves, speed_mps=told_mps)
         return along
-
-    def _hold(self, before: Along | None, last_m: float, now: Along) -> None:
-        """Let progress wait for a vehicle that is behind what was told of it since `last_m`.
-
-        Where it stands it is told to stand.
-        """
-        told_m, self._told_m = self._told_m, now.total_m
-        if before is not None and now.total_m >= last_m - WENT_BACK_M:
-            self._told_m = max(before.total_m, now.total_m, told_m)
-        noise_m = HOLD_M if now.speed_mps > 0.0 else 0.0
-        self._waits_at_m = min(self._told_m, now.total_m + noise_m)
-
-    def _floor_at(self, t_ns: int) -> float:
-        """What had been told, as far as it is not taken back yet."""
-        since_s = (t_ns - self._pose.t_ns) * 1e-9 if self._pose is not None else 0.0
-        return max(self._told_m - TAKEN_BACK_MPS * (since_s + 1.0), self._waits_at_m)
 
     def _held(self, place: Place) -> Place:
         if self._place is None:
@@ -248,7 +230,7 @@ class RouteFollower:
             lat_deg=lat_deg,
             lon_deg=lon_deg,
             cross_track_m=place.cross_track_m,
-            distance_std_m=_std_about(total_m, along) if along else place.along_std_m,
+            distance_std_m=self._std_about(total_m, t_ns),
             on_route=self.on_route,
             speed_mps=along.speed_mps if along else self._speed_mps,
         )
@@ -270,7 +252,7 @@ class RouteFollower:
                 stand=along.stand,
             )
         at_ns = min(t_ns, self._pose.t_ns + round(EXTRAPOLATE_AT_MOST_S * 1e9))
-        total_m = self._total_at(at_ns)
+        total_m = self._ahead_m(at_ns)
         return Outlook(
             t_ns=at_ns,
             total_m=total_m,
@@ -281,14 +263,30 @@ class RouteFollower:
         )
 
     def _total_at(self, t_ns: int) -> float:
+        """What is told of the place: it may wait for the vehicle."""
         if self._place is None or self._pose is None:
             return 0.0
         if self._along is not None:
-            return max(self._along.at(t_ns).total_m, self._floor_at(t_ns))
+            return max(self._along.at(t_ns).total_m, self._told.floor_m(t_ns))
+        total_m = self._ahead_m(t_ns)
+        return max(total_m, self._told.floor_m(t_ns)) if self.on_route else total_m
+
+    def _ahead_m(self, t_ns: int) -> float:
+        """Where a vehicle that is seen all the time has come to since its last pose."""
+        assert self._place is not None  # noqa: S101
+        assert self._pose is not None  # noqa: S101
         ahead_s = min(max((t_ns - self._pose.t_ns) * 1e-9, 0.0), EXTRAPOLATE_AT_MOST_S)
         speed_mps = max(self._speed_mps, 0.0) if self.on_route else 0.0
         total_m = self._place.total_m + speed_mps * ahead_s
         return total_m if self.route.loop else min(total_m, self.route.length_m)
+
+    def _std_about(self, total_m: float, t_ns: int) -> float:
+        """Of the vehicle's place about what is told of it."""
+        assert self._place is not None  # noqa: S101
+        if self._along is None:
+            return math.hypot(self._place.along_std_m, total_m - self._ahead_m(t_ns))
+        along = self._along.at(t_ns)
+        return math.hypot(along.std_m, total_m - along.total_m)
 
 
 def lap_of(route: Route, total_m: float) -> tuple[int, float]:
@@ -297,11 +295,6 @@ def lap_of(route: Route, total_m: float) -> tuple[int, float]:
         return 0, max(total_m, 0.0)
     lap, within_m = divmod(total_m + SEAM_M, route.length_m)
     return int(lap), max(within_m - SEAM_M, 0.0)
-
-
-def _std_about(total_m: float, along: Along) -> float:
-    """Of the vehicle's place about what is told of it, which may wait for it."""
-    return math.hypot(along.std_m, total_m - along.total_m)
 
 
 def _speed_of(last: Pose | None, pose: Pose) -> float:

@@ -1,5 +1,7 @@
 """Keeps how good predictions were: sums by route and day, each minute of a vehicle once."""
 
+from collections.abc import Sequence
+
 import msgspec
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
@@ -12,22 +14,34 @@ MINUTES_KEPT_NS = 7 * DAY_NS
 """Before the newest."""
 
 
-def add_scored(connection: sa.Connection, vehicle_id: str, scored: Scored) -> ScoredDay:
-    """Add a minute to its day, unless that holds it already; the whole day then."""
+def add_scored(connection: sa.Connection, scored: Sequence[tuple[str, Scored]]) -> list[ScoredDay]:
+    """Add vehicles' minutes to their days, unless these hold them already; the whole days then."""
+    added = {(day_of(each.t_ns), each.route_id): Sums() for _, each in scored}
+    for vehicle_id, each in scored:
+        if _is_new(connection, vehicle_id, each):
+            key = day_of(each.t_ns), each.route_id
+            added[key] = added[key].plus(each.sums)
+    return [_add_to_day(connection, *key, added[key]) for key in sorted(added)]
+
+
+def _is_new(connection: sa.Connection, vehicle_id: str, scored: Scored) -> bool:
     minute = {"vehicle_id": vehicle_id, "t_ns": scored.t_ns, "route_id": scored.route_id}
-    day = {"route_id": scored.route_id, "day": day_of(scored.t_ns)}
-    empty = {**day, "sums": msgspec.json.encode(Sums())}
     added = new_row(connection, SCORED_MINUTES).returning(SCORED_MINUTES.c.t_ns)
-    is_new = connection.execute(added, minute).first() is not None
-    connection.execute(new_row(connection, SCORED_DAYS), empty)
-    is_day = sa.and_(*(SCORED_DAYS.c[name] == value for name, value in day.items()))
+    return connection.execute(added, minute).first() is not None
+
+
+def _add_to_day(connection: sa.Connection, day: int, route_id: str, more: Sums) -> ScoredDay:
+    key = {"route_id": route_id, "day": day}
+    connection.execute(
+        new_row(connection, SCORED_DAYS), {**key, "sums": msgspec.json.encode(Sums())}
+    )
+    is_day = sa.and_(*(SCORED_DAYS.c[name] == value for name, value in key.items()))
     query = sa.select(SCORED_DAYS.c.sums).where(is_day).with_for_update()
-    sums = msgspec.json.decode(connection.execute(query).scalar_one(), type=Sums)
-    if is_new:
-        sums = sums.plus(scored.sums)
-        after = msgspec.json.encode(sums)
-        connection.execute(sa.update(SCORED_DAYS).where(is_day).values(sums=after))
-    return ScoredDay(day_of(scored.t_ns), scored.route_id, sums)
+    before = msgspec.json.decode(connection.execute(query).scalar_one(), type=Sums)
+    sums = before.plus(more)
+    update = sa.update(SCORED_DAYS).where(is_day)
+    connection.execute(update.values(sums=msgspec.json.encode(sums)))
+    return ScoredDay(day, route_id, sums)
 
 
 def scored_days(connection: sa.Connection) -> list[ScoredDay]:

@@ -9,8 +9,13 @@ been seen, the longer one lasts the less likely is it one of them.
 import math
 from typing import NamedTuple
 
-TAIL = 2.0
-"""Exponent: of the stands that have lasted for some time a quarter lasts twice as long."""
+TAIL = 1.5
+"""Exponent: of the stands that have lasted for some time a third (0.35) lasts twice as long.
+
+Stands of a minute and more on everyday drives have 1.1 to 1.4, by few of them (Hill 1975). Whoever
+asks at some instant of any one stand is asked of an exponent of 1: after a share of it that may be
+any (Gott 1993). At 2 ranges held 61 % of a stand, at 1.5 they hold 70 %.
+"""
 
 HELD_UP = 0.02
 """So many stands at a stop are none of its dwells: something holds the vehicle up."""

@@ -8,6 +8,7 @@ import sqlalchemy as sa
 
 from wayline.core import Record
 from wayline.database import write_transaction
+from wayline.spool import Waiting
 from wayline_eta.known_store import add_taught, known
 from wayline_eta.records import Came, Learned, Scored
 from wayline_eta.score_store import add_scored, delete_old_scores, new_row, scored_days
@@ -36,17 +37,23 @@ class EtaTables:
 
     def save(self, vehicle_id: str, record: Record) -> Sequence[msgspec.Struct]:
         """Keep what was learned; of scores the whole day's are answered."""
-        answers: list[msgspec.Struct] = []
+        return self.save_all([Waiting(vehicle_id, record)])
+
+    def save_all(self, batch: Sequence[Waiting]) -> Sequence[msgspec.Struct]:
+        """Keep what many vehicles have taught; all have their scores on the minute."""
+        scored: list[tuple[str, Scored]] = []
         with write_transaction(self._engine) as connection:
-            match record:
-                case Learned():
-                    _add_learned(connection, vehicle_id, record, self._zone)
-                case Scored():
-                    answers = [add_scored(connection, vehicle_id, record)]
-                case _:
-                    raise TypeError(f"eta keeps no {type(record).__name__}")
-        self._saved += 1
-        if self._saved % PRUNED_EVERY == 0:
+            for vehicle_id, record in batch:
+                match record:
+                    case Learned():
+                        _add_learned(connection, vehicle_id, record, self._zone)
+                    case Scored():
+                        scored.append((vehicle_id, record))
+                    case _:
+                        raise TypeError(f"eta keeps no {type(record).__name__}")
+            answers = add_scored(connection, scored)
+        before, self._saved = self._saved, self._saved + len(batch)
+        if self._saved // PRUNED_EVERY > before // PRUNED_EVERY:
             self._delete_old()
         return answers
 

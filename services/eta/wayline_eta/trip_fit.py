@@ -49,9 +49,14 @@ class Followed(NamedTuple):
         return (self.run.departs_ns - t_ns) * 1e-9
 
     def is_in_time(self, t_ns: int, waits_s: float = EARLY_S) -> bool:
-        """Whether a vehicle may run it, which waits at most so long for its departure."""
-        delay_s = self.run.delay_s(self.follower.total_m, t_ns)
-        return -EARLY_S <= delay_s <= LATE_S and self.waits_s(t_ns) <= waits_s
+        """Whether a vehicle may run it, which waits at most so long for its departure.
+
+        Of a pattern's trips most are over, or still to come, wherever the vehicle is.
+        """
+        over_s = (t_ns - self.run.ends_ns) * 1e-9
+        if over_s > LATE_S or self.waits_s(t_ns) > waits_s:
+            return False
+        return -EARLY_S <= self.run.delay_s(self.follower.total_m, t_ns) <= LATE_S
 
 
 def is_same(run: Run, other: Run | None) -> bool:

@@ -71,9 +71,10 @@ class HistoryTables:
         self._keep([(vehicle_id, record)])
         return ()
 
-    def save_all(self, batch: Sequence[Waiting]) -> None:
+    def save_all(self, batch: Sequence[Waiting]) -> Sequence[msgspec.Struct]:
         """Keep many pieces at once."""
         self._keep([(each.vehicle_id, each.record) for each in batch])
+        return ()
 
     def look(self) -> Sequence[msgspec.Struct]:
         """Tell of gaps, and let the history age; nobody has to be told anything."""

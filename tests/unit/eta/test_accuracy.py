@@ -1,11 +1,13 @@
 """How good predictions were: remembered until the vehicle comes, scored, kept and told."""
 
+import time
 from argparse import Namespace
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import pytest
+import sqlalchemy as sa
 from fastapi.testclient import TestClient
 from prometheus_client import CollectorRegistry
 
@@ -14,10 +16,12 @@ from wayline.database import open_database
 from wayline.http import Healthz
 from wayline.http_settings import HttpSettings
 from wayline.messages import Arrivals, Progress, StopArrival, StopEvent, StopEventKind
+from wayline.patient_store import PatientStore, Tables
 from wayline.settings import Settings
+from wayline.spool import Waiting
 from wayline.telemetry import Telemetry
 from wayline.tuning import Tuning
-from wayline_eta.__main__ import build
+from wayline_eta.__main__ import WAITING_MAX, build
 from wayline_eta.accuracy import Accuracy, AccuracyParameters
 from wayline_eta.accuracy_metrics import AccuracyCollector
 from wayline_eta.app import create_eta_app
@@ -224,6 +228,38 @@ def test_scores_are_kept_and_a_minute_counts_once(database_url: str) -> None:
         anew.remember(kept)  # the second time as when the database was away
     engine.dispose()
     assert accuracy.answer(AccuracyParameters()).predictions == 3
+
+
+def test_a_fleet_s_scores_of_one_minute_are_kept_by_one_write(database_url: str) -> None:
+    """All have theirs on the minute; a write for each kept a disk busy for seconds."""
+    engine = open_database(database_url, "wayline_eta")
+    commits: list[object] = []
+    sa.event.listen(engine, "commit", commits.append)
+    fleet = [Waiting(f"bus-{at}", a_minute(START_NS, "qr"[at % 2])) for at in range(500)]
+    known = EtaTables(engine).save_all([*fleet, *fleet[:10]])
+    assert len(commits) == 1
+    days = [each for each in known if isinstance(each, ScoredDay)]
+    assert [(each.route_id, each.sums.predictions) for each in days] == [("q", 250), ("r", 250)]
+    assert [each for each in EtaTables(engine).look() if isinstance(each, ScoredDay)] == days
+    engine.dispose()
+
+
+def test_of_a_fleet_s_scores_none_is_lost_and_the_whole_day_is_told(database_url: str) -> None:
+    told: list[msgspec.Struct] = []
+    tables = Tables(database_url, "wayline_eta", EtaTables)
+    store = PatientStore(tables, Settings(), told.append, capacity=WAITING_MAX)
+    for at in range(3_000):
+        store.put(f"bus-{at}", a_minute(START_NS))
+    store.start(lambda: None)
+    deadline_s = time.monotonic() + 60.0
+    while store.backlog:
+        assert time.monotonic() < deadline_s
+        time.sleep(0.1)
+    store.close()
+    store.hand_over()
+    assert store.detail is None
+    days = [each for each in told if isinstance(each, ScoredDay)]
+    assert days[-1].sums.predictions == 3_000
 
 
 def test_a_drive_s_predictions_are_scored_on_its_way() -> None:

@@ -122,6 +122,20 @@ def test_other_legs_say_how_wrong_the_plan_is_on_earlier_runs_only() -> None:
     assert elsewhere_s == pytest.approx(other.planned_s)
 
 
+def test_a_plan_that_nobody_has_driven_may_be_wrong_as_a_whole_and_legs_show_how_much() -> None:
+    """Of now: what is told does not go by them; of earlier runs it does."""
+    right = [drove(LEG.key, 100.0, 100.0, START_NS + run) for run in range(10)]
+    wrong = [drove(LEG.key, 100.0, 150.0, START_NS + run) for run in range(10)]
+
+    def plan_std(taken: list[Taken], t_ns: int = START_NS) -> float:
+        return experienced(taken).plan_std("r", t_ns)
+
+    assert plan_std([]) == pytest.approx(0.3)
+    assert plan_std(right) == pytest.approx(0.3 * (2.0 / 12.0) ** 0.5)
+    assert plan_std(wrong) == pytest.approx(np.hypot(plan_std(right), np.log(1.5) * 10.0 / 12.0))
+    assert plan_std(wrong, START_NS + DAY_NS) < 0.15
+
+
 def test_the_rush_hour_is_another_time_than_the_evening() -> None:
     runs = []
     for day in range(10):

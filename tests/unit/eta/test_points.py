@@ -38,7 +38,12 @@ def test_a_leg_is_driven_from_its_begin_to_its_end_at_its_rate(rolling: bool) ->
     points = on(leg)
     at_s = np.arange(0.0, float(leg.comes_s[0]) + 5.0, 0.1)
     places_m = np.array([points.places_m(each, motion())[0] for each in at_s.tolist()])
-    speeds_mps = np.array([points.speeds_mps(each, motion())[0] for each in at_s.tolist()])
+    speeds_mps = np.array(
+        [
+            points.speeds_mps(each, points.places_m(each, motion()), motion())[0]
+            for each in at_s.tolist()
+        ]
+    )
     assert (places_m[0], places_m[-1]) == (1_000.0, 1_500.0)
     assert np.diff(places_m) / 0.1 == pytest.approx(speeds_mps[:-1], abs=0.3)
     assert speeds_mps.max() == pytest.approx(12.0)
@@ -49,7 +54,8 @@ def test_a_way_too_short_for_its_speed_is_driven_at_less() -> None:
     leg = leg_of(1.2, to_m=1_010.0)
     points, half_s = on(leg), float(leg.comes_s[0]) / 2.0
     assert points.places_m(half_s, motion())[0] == pytest.approx(1_005.0, abs=0.01)
-    assert points.speeds_mps(half_s, motion())[0] == pytest.approx((10.0 * RATE_MPS2) ** 0.5)
+    speeds_mps = points.speeds_mps(half_s, points.places_m(half_s, motion()), motion())
+    assert speeds_mps[0] == pytest.approx((10.0 * RATE_MPS2) ** 0.5)
 
 
 def test_at_the_hurried_speed_a_leg_takes_the_time_that_is_planned() -> None:
@@ -71,7 +77,9 @@ def test_a_reported_speed_is_that_of_the_leg(speed_mps: float) -> None:
 def test_some_pass_a_stop_and_some_stand_before_it() -> None:
     """Three in four stand there."""
     goes = PointMotion(motion(), 0, Draws())
-    standing = on(Leg(*(np.full(POINTS, each) for each in (1e3, 1e3, 0.0, 1.0, 0.0, 0.0, 0.0))))
+    standing = on(
+        Leg(*(np.full(POINTS, each) for each in (1e3, 1e3, 0.0, 1.0, 0.0, 0.0, 0.0, 1e2, 1e2)))
+    )
     ends_m = goes.gone_on(standing, 20.0).leg.ends_m
     shares = [np.mean(ends_m < 1_499.0), np.mean(ends_m == 1_500.0), np.mean(ends_m > 1_501.0)]
     assert shares == pytest.approx([0.1, 0.76, 0.14], abs=0.04)

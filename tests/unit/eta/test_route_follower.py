@@ -9,7 +9,8 @@ import pytest
 from unit.eta.route_drives import SECOND_NS, Metres, poses, route_of
 from wayline.messages import Pose
 from wayline.tuning import Tuning
-from wayline_eta.route_follower import TAKEN_BACK_MPS, RouteFollower
+from wayline_eta.route_follower import RouteFollower
+from wayline_eta.told_place import TAKEN_BACK_MPS
 
 STRAIGHT: list[Metres] = [(0, 0), (3000, 0)]
 UNSURE_M = 40.0
@@ -88,3 +89,25 @@ def test_progress_waits_within_noise_for_a_vehicle_that_drives() -> None:
     """Slower for half a minute, which its next report shows: 20 m short of what was told."""
     told_m = [each.told_m for each in seen_seldom([10.0] * 271 + [9.3] * 29 + [10.0] * 60)]
     assert np.diff(told_m).min() > -0.1
+
+
+def test_progress_does_not_fall_back_where_poses_follow_reports() -> None:
+    """It stands from second 271 on and is seen all the time from 300 on, 290 m behind."""
+    follower = RouteFollower(route_of(LONG), Tuning())
+    told: list[Told] = []
+    for second, (pose, true_m) in enumerate(poses(LONG, [10.0] * 271 + [0.0] * 60)):
+        assert pose.lat_deg is not None
+        assert pose.lon_deg is not None
+        if second % 30 == 0 or second >= 300:
+            reported = second < 300
+            follower.observe(pose, pose.lat_deg, pose.lon_deg, reported=reported)
+        progress, outlook = follower.progress(pose.t_ns), follower.outlook(pose.t_ns)
+        if progress is not None and outlook is not None:
+            told.append(Told(true_m, progress.distance_m, progress.distance_std_m, outlook.total_m))
+    behind_m = np.array([each.told_m - each.true_m for each in told])
+    assert behind_m.max() > 150.0
+    assert np.diff([each.told_m for each in told]).min() >= -TAKEN_BACK_MPS - 0.1
+    waiting = [each for each in told[-60:] if each.told_m > each.expected_m + 1.0]
+    assert len(waiting) > 5
+    assert all(abs(each.told_m - each.true_m) < 1.1 * each.std_m for each in waiting[-5:])
+    assert abs(behind_m[-1]) < 1.0

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 from fastapi.testclient import TestClient
 
@@ -77,6 +78,23 @@ def test_a_fix_stands_in_where_fusion_is_silent(run: Run, tmp_path: Path) -> Non
     eta.running.put(street_fix(whole_second_ns(), 0), source="gps-ingest")
     found = eta.await_answer("/v1/vehicles/bus-7", lambda answer: "position" in answer)
     assert found["position"]["source"] == "gps-ingest"
+
+
+def test_of_two_vehicles_with_one_id_one_is_followed_and_health_counts_the_other(
+    run: Run, tmp_path: Path
+) -> None:
+    """Reports in turns from the street and from eleven kilometres north of it."""
+    eta = Eta(run, tmp_path, Tuning())
+    now_ns = whole_second_ns()
+    for second in range(-150, 1, 15):
+        fix = msgspec.structs.replace(street_fix(now_ns - 150 * SECOND_NS, 150 + second), hdop=1.0)
+        assert fix.lat_deg is not None
+        elsewhere = msgspec.structs.replace(fix, lat_deg=fix.lat_deg + 0.1)
+        eta.running.put(elsewhere if second % 30 else fix, source="gps-ingest")
+    health = eta.running.await_health(lambda health: health.bad_input > 0)
+    assert health.bad_input == 5
+    found = eta.await_answer("/v1/vehicles/bus-7", lambda answer: "progress" in answer)
+    assert found["on_route"]
 
 
 @pytest.mark.parametrize("step_s", [3600.0, -3600.0])

@@ -5,10 +5,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from unit.eta.route_drives import SQUARE, route_of
+from wayline.errors import InputError
 from wayline.messages import Progress, StopEvent
-from wayline_evaluation.eta_yardstick import other_laps, told_streets
+from wayline.route import Route
+from wayline_evaluation.eta_study import Followed, eta_study
+from wayline_evaluation.eta_yardstick import expect_yardstick, other_laps, told_streets
 from wayline_evaluation.other_laps import OtherLaps
+from wayline_evaluation.reference import Reference
+from wayline_evaluation.replays import Options
 from wayline_evaluation.told_streets import ToldStreets
+from wayline_evaluation.truth import read_truth
 from wayline_simulator.network.model import NetworkModel
 from wayline_simulator.network.simulation import make_network, ride_of, traffic_of
 
@@ -82,6 +89,35 @@ def test_some_drives_have_no_yardstick(tmp_path: Path) -> None:
     assert other_laps(once, events) is None
     assert other_laps(progress, events) is not None
     assert told_streets(tmp_path) is None
+
+
+def driven(folder: Path, laps: int, route: Route) -> Reference:
+    """The truth of some laps."""
+    corners = list(zip(route.line.lats_deg.tolist(), route.line.lons_deg.tolist(), strict=True))
+    places = [*corners[:-1] * laps, corners[0]]
+    rows = [f"{100.0 * at},{lat_deg},{lon_deg}" for at, (lat_deg, lon_deg) in enumerate(places)]
+    path = folder / "truth.csv"
+    path.write_text("\n".join(("t_s,lat_deg,lon_deg", *rows)), encoding="utf-8")
+    return read_truth(path)
+
+
+def test_a_drive_without_a_yardstick_is_told_by_what_it_holds(tmp_path: Path) -> None:
+    """Without a truth, after one lap, or on a line that does not go round."""
+    loop, line = route_of(SQUARE), route_of(SQUARE[:2])
+    expect_yardstick(tmp_path, driven(tmp_path, 2, loop), [line, loop])
+    for truth, route in ((None, loop), (driven(tmp_path, 1, loop), loop), (None, line)):
+        with pytest.raises(InputError, match="no yardstick"):
+            expect_yardstick(tmp_path, truth, [route])
+
+
+def test_a_drive_without_a_yardstick_is_refused_before_it_is_replayed(tmp_path: Path) -> None:
+    (tmp_path / "gps.nmea").touch()
+    drive = '[drive]\nvehicle_id = "bus"\n[[nmea]]\npath = "gps.nmea"\ndate = 2026-06-03\n'
+    (tmp_path / "drive.toml").write_text(drive)
+    asked = Options(out=tmp_path / "out", yardstick=True)
+    with pytest.raises(InputError, match="no yardstick"):
+        eta_study([tmp_path], Followed(), asked, lambda done, total: None)
+    assert not (tmp_path / "out").exists()
 
 
 def test_who_is_told_the_streets_knows_how_likely_each_arrival_is() -> None:

@@ -1,6 +1,7 @@
 """What views are told, how old it is, and what of a silent vehicle is left."""
 
 import queue
+import threading
 import time
 from typing import ClassVar
 
@@ -14,6 +15,7 @@ from loops import WAIT_S, Run, Running
 from wayline.keys import FLEET, alive_key, message_key
 from wayline.messages import Health, Message, Odometer, Pose
 from wayline.node import Node
+from wayline.receipts import EACH_MAX
 from wayline.service import Service
 from wayline.settings import Settings
 from wayline.view import Receipt
@@ -219,3 +221,23 @@ def test_of_a_silent_vehicle_nothing_is_said_any_more(
     running.put(fix(0.15, 55.0, 10.0), "bus-8")
     running.await_odometer(at(0.15), 1.0)
     hears.undeclare()  # type: ignore[no-untyped-call]
+
+
+def test_of_a_whole_fleet_that_is_old_health_is_heard_by_one_subscription(run: Run) -> None:
+    """As of an agency's reports; a thread for each vehicle filled a core. Played ones are known."""
+    view = Told(queue.SimpleQueue())
+    running = run(Service("page", views=[view]), ALL)
+    running.await_start()
+    old_ns = time.time_ns() - round(HOUR_S * 1e9)
+    names = [f"bus-{number}" for number in range(3 * EACH_MAX)]
+    threads = threading.active_count()
+    for name in names:
+        told_age_s(running, view, old_ns, name)
+    assert threading.active_count() < threads + EACH_MAX
+    health = Health(t_ns=old_ns, service="gps-ingest", version="0", started_ns=old_ns)
+    for name in names:
+        running.put(msgspec.structs.replace(health, recorded=name != names[-1]), name, "play")
+    deadline_s = time.monotonic() + WAIT_S
+    while told_age_s(running, view, old_ns, names[-1]) == 0.0:
+        assert time.monotonic() < deadline_s
+    assert {told_age_s(running, view, old_ns, name) for name in names[:-1]} == {0.0}

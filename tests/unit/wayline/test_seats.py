@@ -60,3 +60,27 @@ def test_one_old_message_again_and_again_is_no_time() -> None:
 def test_what_was_recovered_at_once_is_late_and_no_time() -> None:
     burst = [(1.0 + n / 1_000, 10.0 + n / 10) for n in range(100)]
     assert back_after_s([(0.0, 100.0), *burst, (1.2, 100.2)]) is None
+
+
+def back_beside_reports_s(poses: list[tuple[float, float]]) -> float | None:
+    """When time had gone back; poses by receipt and time, beside a report of now every 30 s."""
+    one = seat()
+    reports = [(float(t_s), float(t_s), True) for t_s in range(0, 120, 30)]
+    for now_s, t_s, timeless in sorted(reports + [(*each, False) for each in poses]):
+        one.hear(at(t_s), now_s, timeless=timeless)
+        if one.is_back:
+            return now_s
+    return None
+
+
+def test_poses_of_a_busy_service_behind_the_reports_they_are_made_of_take_no_time_back() -> None:
+    """Once a second, each of a quarter of a minute ago."""
+    assert back_beside_reports_s([(n + 15.0, float(n)) for n in range(100)]) is None
+
+
+def test_poses_that_go_back_themselves_do_also_beside_reports() -> None:
+    """By 20 s, as where the service that makes them had a wrong clock."""
+    forth = [(float(n), float(n)) for n in range(62)]
+    found_s = back_beside_reports_s(forth + [(62.0 + n, 42.0 + n) for n in range(10)])
+    assert found_s is not None
+    assert found_s - 62.0 <= 3.0

@@ -165,6 +165,27 @@ def fix_now() -> GpsFix:
     return msgspec.structs.replace(fix(0, 55.0, 10.0), t_ns=time.time_ns())
 
 
+def test_a_busy_loop_sends_what_it_says_while_more_waits(run: Run) -> None:
+    """A fix is answered while the next one is worked on for a second, and forty more wait."""
+    said = threading.Event()
+
+    class Slow(Echo):
+        def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+            if isinstance(message, GpsFix):
+                if message.t_ns > at(0.5):
+                    assert said.wait(WAIT_S)
+                time.sleep(0.01)
+            return super().handle(message, source)
+
+    running = run(Service("echo", lambda *_: Node("echo", Slow()), Echo.reads), ONE)
+    running.await_start()
+    for tenth in range(40):
+        running.put(fix(tenth / 10, 55.0, 10.0))
+    running.await_odometer(at(0.4), 1.0)
+    said.set()
+    running.await_odometer(at(3.9), 1.0)
+
+
 def test_what_a_full_inbox_drops_is_counted_in_health(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
