@@ -33,6 +33,8 @@ CALM_FACTOR = 1.0
 """The least on that std."""
 MISSED_FACTOR = 1.1
 """On what altimeters alone tell of bends: they take some of them for noise."""
+LEAST_TOLD_SHARE = 0.1
+"""Of torque's bias: less is no ground to tell its size by."""
 BIAS_FACTORS = (0.3, 3.0)
 """On the std of torque's bias that is configured; one run does not tell of less, nor of more."""
 
@@ -52,28 +54,36 @@ def first(count: int, tuning: Tuning, *, is_told: bool) -> Learned:
     return Learned(np.full(count, curvature_std), tuning.torque_bias_std_pct)
 
 
-def learned(travelled_m: Floats, x: Floats, P: Floats, tuning: Tuning) -> Learned:
-    """After a pass that left these smoothed states, shapes (n, size) and (n, size, size)."""
+def learned(travelled_m: Floats, x: Floats, P: Floats, tuning: Tuning, before: Learned) -> Learned:
+    """After a pass from `before` that left these states, shapes (n, size) and (n, size, size)."""
     told = x[:, S.CURVATURE] ** 2 + P[:, S.CURVATURE, S.CURVATURE]
     cells = ((travelled_m - travelled_m[0]) / CELL_M).astype(np.intp)
     means = _cell_means(cells, told)
     usual = math.exp(float(np.mean(np.log(means))))
     squares = (USUAL_WEIGHT * usual + means) / (USUAL_WEIGHT + 1.0)
-    bias = float(np.mean(x[:, S.TORQUE_BIAS] ** 2 + P[:, S.TORQUE_BIAS, S.TORQUE_BIAS]))
-    stated = tuning.torque_bias_std_pct
-    least, most = (factor * stated for factor in BIAS_FACTORS)
-    bias_std_pct = min(max(100.0 * math.sqrt(bias), least), most)
-    return Learned(np.sqrt(squares)[cells], bias_std_pct)
+    return Learned(np.sqrt(squares)[cells], _bias_std_pct(x, P, tuning, before))
 
 
-def calmed(travelled_m: Floats, x: Floats, P: Floats, tuning: Tuning) -> Learned:
+def _bias_std_pct(x: Floats, P: Floats, tuning: Tuning, before: Learned) -> float:
+    """How far torque is biased: what was found of it, over the share of it that a run can find.
+
+    MacKay's rule (1992), which is nearer after two passes than expectation maximisation.
+    """
+    found = float(np.mean(x[:, S.TORQUE_BIAS] ** 2))
+    unfound = float(np.mean(P[:, S.TORQUE_BIAS, S.TORQUE_BIAS]))
+    told_share = max(1.0 - unfound / (before.torque_bias_std_pct / 100.0) ** 2, LEAST_TOLD_SHARE)
+    least, most = (factor * tuning.torque_bias_std_pct for factor in BIAS_FACTORS)
+    return min(max(100.0 * math.sqrt(found / told_share), least), most)
+
+
+def calmed(travelled_m: Floats, x: Floats, P: Floats, tuning: Tuning, before: Learned) -> Learned:
     """As `learned`, from altitudes alone: they tell how bendy the road is as a whole."""
     told = x[:, S.CURVATURE] ** 2 + P[:, S.CURVATURE, S.CURVATURE]
     steps_m = np.maximum(np.diff(travelled_m, prepend=travelled_m[0]), 0.0)
     configured = tuning.curvature_std_pct_per_m / 100.0
     found = math.sqrt(float(np.sum(told * steps_m)) / max(float(np.sum(steps_m)), 1e-9))
     std = min(max(MISSED_FACTOR * found, CALM_FACTOR * configured), BENDY_FACTOR * configured)
-    return Learned(np.full(len(travelled_m), std), tuning.torque_bias_std_pct)
+    return Learned(np.full(len(travelled_m), std), before.torque_bias_std_pct)
 
 
 def _cell_means(cells: NDArray[np.intp], values: Floats) -> Floats:

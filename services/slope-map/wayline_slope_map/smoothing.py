@@ -103,7 +103,7 @@ def smooth(
         smoothed = smooth(others, times_s, travelled_m, tuning, passes)
         return None if smoothed is None else smoothed._replace(is_such_vehicle=False)
     for _ in range(passes - 1):
-        start = learn(nodes.travelled_m, x, P, tuning)
+        start = learn(nodes.travelled_m, x, P, tuning, start)
         x, P = _ForwardPass(sensed, tuning, start).smoothed(nodes)
     at = nodes.asked >= 0
     order = np.argsort(nodes.asked[at])
