@@ -17,6 +17,7 @@ from wayline_slope_map.book import SlopeBook
 from wayline_slope_map.core import SlopeMapCore
 from wayline_slope_map.drives import Kept
 from wayline_slope_map.known_roads import KnownRoads
+from wayline_slope_map.matching import RoadIndex
 from wayline_slope_map.queries import answer_lookahead
 from wayline_slope_map.records import RoadLearned
 from wayline_slope_map.smoothing_worker import SmoothingWorker
@@ -34,7 +35,8 @@ def build(settings: Settings, options: Namespace) -> Service:
         mend = "set database_url or WAYLINE_DATABASE_URL, e.g. sqlite:///slope.db"
         raise InputError("configuration", "slope-map has no database", mend)
     routes = load_routes(settings)
-    book, roads = SlopeBook(), KnownRoads()
+    index = RoadIndex()
+    book, roads = SlopeBook(index=index), KnownRoads(index=index)
 
     def learn(learned: msgspec.Struct) -> None:
         if isinstance(learned, RoadLearned):

@@ -6,13 +6,13 @@ replaced, so answers are made outside the lock.
 
 import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar
 
 import msgspec
 
 from wayline.matching.matcher import Matcher
-from wayline.matching.network import Sight
+from wayline.matching.network import Candidate, First, Sight
 from wayline.matching.transition import Moves
 from wayline.messages import Horizon, Message, Pose
 from wayline.query_error import QueryError
@@ -36,18 +36,43 @@ class Vehicle(msgspec.Struct, frozen=True):
     on_road: OnRoad | None = None
 
 
+class _Told:
+    """Of an index that others use as well, the roads that have been told."""
+
+    def __init__(self, index: RoadIndex, profiles: Mapping[str, RoadProfile]) -> None:
+        self._index, self._profiles = index, profiles
+
+    def near(self, sight: Sight) -> Sequence[Candidate]:
+        """Every point of such a road near a place."""
+        return [each for each in self._index.near(sight) if each.edge_id in self._profiles]
+
+    def first(self, candidates: Sequence[Candidate]) -> Sequence[First]:
+        """Where they are; nothing speaks against any."""
+        return self._index.first(candidates)
+
+    def advance_m(self, earlier: Candidate, later: Candidate, about_m: float) -> float | None:
+        """Along one road in one direction; None where that is not one road."""
+        return self._index.advance_m(earlier, later, about_m)
+
+
 class SlopeBook:
-    """The profiles of all roads; `clock_ns` is the clock of the receipts."""
+    """The profiles of all roads; `clock_ns` is the clock of the receipts.
+
+    The index may be one that cores look at too: that of 10,000 km is a third of a gigabyte.
+    """
 
     reads: ClassVar[frozenset[type[Message]]] = frozenset({Pose})
 
     def __init__(
-        self, profiles: Iterable[RoadProfile] = (), clock_ns: Clock = time.monotonic_ns
+        self,
+        profiles: Iterable[RoadProfile] = (),
+        clock_ns: Clock = time.monotonic_ns,
+        index: RoadIndex | None = None,
     ) -> None:
         self._clock_ns = clock_ns
         self._lock = threading.Lock()
         self._profiles: dict[str, RoadProfile] = {}
-        self._index = RoadIndex()
+        self._index = index or RoadIndex()
         self._vehicles: dict[str, Vehicle] = {}
         for profile in profiles:
             self.learn(profile)
@@ -96,7 +121,8 @@ class SlopeBook:
         """The road at a place that runs along or against a heading, None on none."""
         sight = Sight(0, lat_deg, lon_deg, 0.0, heading_deg)
         with self._lock:
-            matched = Matcher(self._index).observe(sight, Moves.measured(0.0))
+            told = _Told(self._index, self._profiles)
+            matched = Matcher(told).observe(sight, Moves.measured(0.0))
             found = self._profiles[matched.candidate.edge_id] if matched else None
         if matched is None or found is None:
             return None

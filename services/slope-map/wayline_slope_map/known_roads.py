@@ -12,9 +12,11 @@ from wayline_slope_map.roads import Road, check_same_route, route_road
 class KnownRoads:
     """Profiles of roads by id, and an index of their lines. What one vehicle taught, all know."""
 
-    def __init__(self, profiles: Iterable[RoadProfile] = ()) -> None:
+    def __init__(
+        self, profiles: Iterable[RoadProfile] = (), index: RoadIndex | None = None
+    ) -> None:
         self._profiles: dict[str, RoadProfile] = {}
-        self._index = RoadIndex()
+        self._index = index or RoadIndex()
         self._route_ids: list[str] = []
         """Of the routes that vehicles follow."""
         for profile in profiles:

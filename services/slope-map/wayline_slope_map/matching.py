@@ -64,11 +64,12 @@ class _Point(NamedTuple):
 class RoadIndex:
     """Roads as edges, near a place those that run a vehicle's way or the opposite way.
 
-    A road ends nowhere in another: how roads join is not known.
+    A road ends nowhere in another: how roads join is not known. One thread makes roads known, any
+    others may look meanwhile: what is in a cell is replaced, never changed.
     """
 
     def __init__(self, roads: Iterable[Road] = ()) -> None:
-        self._cells: dict[tuple[int, int], list[_Point]] = {}
+        self._cells: dict[tuple[int, int], tuple[_Point, ...]] = {}
         self._rows: dict[int, tuple[float, float]] = {}
         self._roads: dict[str, Road] = {}
         for road in roads:
@@ -129,7 +130,8 @@ class RoadIndex:
 
     def _put(self, point: _Point) -> None:
         row = math.floor(point.lat_deg / CELL_DEG)
-        self._cells.setdefault((row, self._column(row, point.lon_deg)), []).append(point)
+        cell = row, self._column(row, point.lon_deg)
+        self._cells[cell] = (*self._cells.get(cell, ()), point)
 
     def _around(self, row: int, lon_deg: float) -> Iterable[tuple[int, int]]:
         for near_row in (row - 1, row, row + 1):

@@ -173,9 +173,9 @@ class _ForwardPass:
         F, Q = kalman.model.moves(steps_m, steps_s, self._curvature_std)
         sensors, values, stds = (each.tolist() for each in (nodes.sensor, nodes.value, nodes.std))
         times_ns = np.rint(1e9 * nodes.times_s).astype(np.int64).tolist()
-        for k, sensor in enumerate(sensors):
-            reading = _Reading(times_ns[k], values[k], stds[k])
-            self._take(sensor, reading, Transition(F[k], Q[k]))
+        steps = zip(sensors, times_ns, values, stds, list(F), list(Q), strict=True)
+        for k, (sensor, t_ns, value, std, F_k, Q_k) in enumerate(steps):
+            self._take(sensor, _Reading(t_ns, value, std), Transition(F_k, Q_k))
             x[k], P[k] = kalman.x, kalman.P
         return rts(x, P, F, Q)
 

@@ -6,7 +6,7 @@ from wayline.database import write_transaction
 from wayline.errors import InputError
 from wayline_slope_map.kept_run import unkept
 from wayline_slope_map.ledger import ListedRun, in_order_of_time
-from wayline_slope_map.store import sums_of
+from wayline_slope_map.merging import sums_of
 from wayline_slope_map.sums import BinSums
 from wayline_slope_map.tables import LEDGER, SUMS
 

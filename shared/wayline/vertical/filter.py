@@ -60,7 +60,9 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         """Predict over a step, without what filterpy keeps of it."""
         F, Q = moved
         self.x = F.dot(self.x)
-        self.P = F.dot(self.P).dot(F.T) + Q
+        P = F.dot(self.P).dot(F.T)
+        P += Q
+        self.P = P
 
     def project_error(self, receiver: int, before_m: float, std_m: float) -> Transition | None:
         """Renew a receiver's slow error where its std is another one; None where it is not.
@@ -139,7 +141,8 @@ class VerticalFilter(KalmanFilter):  # type: ignore[misc]
         std = math.sqrt(H.dot(PH) + measurement.R[0, 0])
         root = PH / std
         self.x = self.x + root * (measurement.y[0] / std)
-        self.P = self.P - root[:, np.newaxis] * root
+        lost = root[:, np.newaxis] * root
+        self.P = np.subtract(self.P, lost, out=lost)
 
     def std(self, state: int) -> float:
         """One sigma of a state, in the state's own unit."""

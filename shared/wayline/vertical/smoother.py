@@ -8,16 +8,22 @@ from wayline.likelihood import Floats
 def rts(x: Floats, P: Floats, F: Floats, Q: Floats) -> tuple[Floats, Floats]:
     """Means (n, size) and covariances (n, size, size) given all that was measured.
 
-    `x` and `P` are those after each of n corrections, `F[k]` and `Q[k]` what led to the k-th. The
-    gains of all steps are one batch, because each by itself is mostly the calls around it.
+    `x` and `P` are those after each of n corrections, `F[k]` and `Q[k]` what led to the k-th. What
+    a step knows by itself is one batch, because each by itself is mostly the calls around it; only
+    what it learns of the one behind it is left for the loop.
     """
+    moved_x, moved_P = np.einsum("kij,kj->ki", F[1:], x[:-1]), F[1:] @ P[:-1]
+    predicted = moved_P @ F[1:].transpose(0, 2, 1) + Q[1:]
+    back = np.linalg.solve(predicted, moved_P)
+    gains = np.ascontiguousarray(back.transpose(0, 2, 1))
     x, P = x.copy(), P.copy()
-    ahead = F[1:].transpose(0, 2, 1)
-    predicted = F[1:] @ P[:-1] @ ahead + Q[1:]
-    gains = P[:-1] @ ahead @ np.linalg.inv(predicted)
-    predicted_x = np.einsum("kij,kj->ki", F[1:], x[:-1])
-    for k in range(len(x) - 2, -1, -1):
-        gain = gains[k]
-        x[k] += gain.dot(x[k + 1] - predicted_x[k])
-        P[k] += gain.dot(P[k + 1] - predicted[k]).dot(gain.T)
+    x[:-1] -= np.einsum("kij,kj->ki", gains, moved_x)
+    P[:-1] -= gains @ moved_P
+    means, covariances = list(x), list(P)
+    mean, covariance = means.pop(), covariances.pop()
+    for gain, turned in zip(reversed(list(gains)), reversed(list(back)), strict=True):
+        behind, behind_covariance = mean, covariance
+        mean, covariance = means.pop(), covariances.pop()
+        mean += gain.dot(behind)
+        covariance += gain.dot(behind_covariance).dot(turned)
     return x, P

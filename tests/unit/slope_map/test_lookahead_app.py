@@ -17,6 +17,8 @@ from wayline.messages import Gyro, Horizon, Message, Pose
 from wayline.query_error import QueryError
 from wayline.view import Receipt
 from wayline_slope_map.book import SlopeBook
+from wayline_slope_map.known_roads import KnownRoads
+from wayline_slope_map.matching import RoadIndex
 from wayline_slope_map.profile import RoadProfile, lookahead
 from wayline_slope_map.queries import answer_lookahead
 
@@ -214,3 +216,17 @@ def test_the_limits_themselves_are_fit(book: SlopeBook) -> None:
     place = {"lat_deg": -90, "lon_deg": 180, "heading_deg": 0}
     assert len(asked(book, "/v1/lookahead", **place, length_m=20000, step_m=1)["points"]) == 20001
     assert len(asked(book, "/v1/lookahead", **place, length_m=20000, step_m=1000)["points"]) == 21
+
+
+def test_a_road_that_only_cores_know_yet_is_no_road_ahead(profile: RoadProfile) -> None:
+    """They share an index with the book; what is to be kept first is told later."""
+    index = RoadIndex()
+    roads, book = KnownRoads(index=index), SlopeBook(index=index)
+    roads.learn(RoadProfile(profile.road, {}))
+    place = profile.road.line.point_at(1_000.0)
+    assert book.nearest(*place) is None
+    book.learn(profile)
+    found = book.nearest(*place)
+    assert found is not None
+    assert found[0] is profile
+    assert found[1].along_m == pytest.approx(1_000.0, abs=1.0)
