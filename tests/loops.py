@@ -69,6 +69,10 @@ class Running:
         assert isinstance(heard.message, Health)
         return heard.message
 
+    def request_end(self) -> None:
+        """Ask the loop to stop, and do not wait for it."""
+        self._ending.request()
+
     def end(self) -> None:
         """Stop the loop; raises what it raised."""
         self._ending.request()

@@ -251,12 +251,15 @@ class Loop:
         """Now and then look for vehicles that are silent.
 
         One of which something waits is not: no message is overtaken by the time that it was to
-        tell, and a busy inbox does not hide that another vehicle is silent.
+        tell, and a busy inbox does not hide that another vehicle is silent. Where the process is
+        to end, what a thousand of them would tell is waited for by nobody.
         """
         if now_s - self._looked_s < POLL_S:
             return
         self._looked_s = now_s
         for seat in self._seats:
+            if self._ending.requested:
+                return
             if seat.is_due(now_s) and not self._inbox.holds(seat.vehicle_id):
                 self._publish(seat, seat.pass_time(now_s))
 

@@ -19,7 +19,7 @@ from wayline.bus import Subscription
 from wayline.core import Record
 from wayline.errors import InputError
 from wayline.inbox import Inbox, Item
-from wayline.inputs import Sentence
+from wayline.inputs import Sentence, Tick
 from wayline.keys import FLEET, message_key
 from wayline.messages import GpsFix, Gyro, Message, Odometer
 from wayline.node import Node
@@ -184,6 +184,34 @@ def test_a_busy_loop_sends_what_it_says_while_more_waits(run: Run) -> None:
     running.await_odometer(at(0.4), 1.0)
     said.set()
     running.await_odometer(at(3.9), 1.0)
+
+
+def test_an_end_does_not_wait_for_the_time_of_a_silent_fleet(run: Run) -> None:
+    """It is asked for while the first of fifty vehicles is told that time has passed."""
+    begun, go = threading.Event(), threading.Event()
+    told: list[str] = []
+
+    class Patient(Echo):
+        def __init__(self, vehicle_id: str) -> None:
+            self._vehicle_id = vehicle_id
+
+        def handle(self, message: msgspec.Struct, source: str) -> Sequence[Message | Record]:
+            if isinstance(message, Tick):
+                told.append(self._vehicle_id)
+                begun.set()
+                assert go.wait(WAIT_S)
+            return super().handle(message, source)
+
+    service = Service("echo", lambda vehicle_id, _: Node("echo", Patient(vehicle_id)), Echo.reads)
+    running = run(service, ALL)
+    running.await_start()
+    for number in range(50):
+        running.put(fix(0.05, 55.0, 10.0), f"bus-{number}")
+    assert begun.wait(WAIT_S)
+    running.request_end()
+    go.set()
+    running.end()
+    assert len(set(told)) == 1
 
 
 def test_what_a_full_inbox_drops_is_counted_in_health(
