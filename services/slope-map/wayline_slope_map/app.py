@@ -65,14 +65,7 @@ def create_slope_app(
         settings,
         healthz=healthz,
         registry=registry,
-        structs=(
-            RoadList,
-            ProfileAnswer,
-            LookaheadAnswer,
-            VehicleLookahead,
-            FeatureCollection,
-            VehicleRuns,
-        ),
+        structs=STRUCTS,
     )
     _add_roads(app, book)
     _add_documents(app, book)
