@@ -16,6 +16,7 @@ from wayline.likelihood import Measurement, nis_of, threshold, weighed
 from wayline.line import Floats
 from wayline.noise_scale import NoiseScale
 from wayline.tuning import Tuning
+from wayline.vertical.bound import at_most
 from wayline.vertical.filter import VerticalFilter
 from wayline.vertical.loading import Loading
 from wayline.vertical.model import Pushed, Transition
@@ -220,7 +221,7 @@ class _ForwardPass:
         is_likely = self._is_likely(measurement, expected)
         if window is not None and window.is_braked:
             if float(measurement.y[0]) > 0.0 and is_likely:
-                kalman.correct(measurement)
+                kalman.correct(at_most(measurement, expected))
             return
         square = float(measurement.y[0]) ** 2
         self._slope_noise = noise.learned(square, float(expected[0, 0]), std**2, TORQUE_FACTOR_MIN)

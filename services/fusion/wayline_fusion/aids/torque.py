@@ -7,6 +7,7 @@ import msgspec
 
 from wayline.agreement import Agreement, lasted_s, rejected
 from wayline.noise_scale import NoiseScale
+from wayline.vertical.bound import at_most
 from wayline.vertical.loading import DOUBT_SLOPE_STD, Loading
 from wayline.vertical.model import Pushed
 from wayline.vertical.propulsion import Push
@@ -58,7 +59,8 @@ class TorqueSlope:
             return UNUSED
         if push.is_braked and float(measurement.y[0]) <= 0.0:
             return UNUSED
-        outcome = try_measurement(estimate, measurement, push.t_ns, Policy(tuning.gate_probability))
+        policy = Policy(tuning.gate_probability, weigh=at_most if push.is_braked else None)
+        outcome = try_measurement(estimate, measurement, push.t_ns, policy)
         if push.is_braked:
             return outcome
         square, predicted = float(outcome.off[0]) ** 2, float(outcome.expected[0, 0])
