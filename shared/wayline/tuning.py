@@ -191,7 +191,7 @@ class Tuning(Strict, frozen=True, kw_only=True):
     driveline. What acceleration takes is measured by the wheels, whose noise is learned apart."""
     torque_bias_std_pct: Positive = 0.3
     """Of a slope by torque, slowly varying: wind, rolling, fan and generator."""
-    torque_bias_time_s: Positive = 100.0
+    torque_bias_time_s: Positive = 220.0
     """Correlation time of that: fans and compressors come and go in a minute, the road turns into
     the wind in some."""
     torque_relock_after_s: Positive = 20.0

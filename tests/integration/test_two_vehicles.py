@@ -58,6 +58,7 @@ class Bench:
         start_ns = self._now_ns - hours_ago * 3_600 * SECOND_NS
         messages = drive(seed=seed, length_m=LENGTH_M, speed_mps=SPEED_MPS, start_ns=start_ns)
         told = [each for each in messages if isinstance(each, Message) and is_heard(each)]
+        self._begin(vehicle_id, next(each for each in told if isinstance(each, Pose)))
         for _, together in groupby(told, key=lambda each: each.t_ns // AT_ONCE_NS):
             last_ns = 0
             for message in together:
@@ -68,6 +69,12 @@ class Bench:
         anew = msgspec.structs.replace(last, t_ns=last.t_ns + SECOND_NS // 10, distance_m=0.0)
         self._put(vehicle_id, anew)
         return [each for each in self._horizons() if start_ns <= each.t_ns <= last.t_ns]
+
+    def _begin(self, vehicle_id: str, first: Pose) -> None:
+        """Stand at the start for a second: what comes with a first pose may overtake it."""
+        stands = msgspec.structs.replace(first, t_ns=first.t_ns - SECOND_NS)
+        self._put(vehicle_id, stands)
+        self._await_horizon(stands.t_ns)
 
     def _await_horizon(self, t_ns: int) -> None:
         self.listener.await_message("horizon", lambda h: h.message.t_ns == t_ns, timeout_s=WAIT_S)

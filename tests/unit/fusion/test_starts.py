@@ -180,3 +180,14 @@ def test_without_wheels_hard_braking_is_followed_from_the_second_fix_on() -> Non
     poses = only(run_core(FusionCore(Tuning()), messages), Pose)
     after = next(pose for pose in poses if pose.t_ns >= at(62.9))
     assert after.speed_mps == about(4.0, 0.5)
+
+
+def test_fixes_of_two_receivers_at_one_instant_tell_no_speed() -> None:
+    """Neither tells one, and a moment between them there is none to divide the way by."""
+    core, told = FusionCore(Tuning()), list[Message]()
+    for second in range(20):
+        for source, off_deg in (("gps-ingest", 0.0), ("gps-ingest-2", 0.01)):
+            lat_deg = ORIGIN.lat_deg + second * 1e-4 + off_deg
+            fix = GpsFix(t_ns=at(second), valid=True, lat_deg=lat_deg, lon_deg=ORIGIN.lon_deg)
+            told += core.handle(fix, source)
+    assert {pose.t_ns for pose in only(told, Pose)} >= {at(second) for second in range(1, 20)}

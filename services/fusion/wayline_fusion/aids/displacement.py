@@ -91,6 +91,8 @@ class Displacement:
             self.evidence = WayEvidence(here)
             return UNUSED
         moved = _moved(anchor, here)
+        if moved.elapsed_s <= 0.0:
+            return UNUSED  # two receivers' fixes of one instant
         is_long = moved.distance_m >= max(SHORTEST_M, moved.noise_m / NOISE_MAX_RAD)
         is_over = moved.elapsed_s > _longest_s(estimate)
         if (
