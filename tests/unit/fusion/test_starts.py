@@ -24,6 +24,7 @@ from unit.fusion.drives import (
     truth_at,
     truth_of,
 )
+from wayline.core import Record
 from wayline.messages import FusionStatus, GpsFix, Gyro, Message, Odometer, Pose
 from wayline.node import Node
 from wayline.tuning import Tuning
@@ -184,7 +185,7 @@ def test_without_wheels_hard_braking_is_followed_from_the_second_fix_on() -> Non
 
 def test_fixes_of_two_receivers_at_one_instant_tell_no_speed() -> None:
     """Neither tells one, and a moment between them there is none to divide the way by."""
-    core, told = FusionCore(Tuning()), list[Message]()
+    core, told = FusionCore(Tuning()), list[Message | Record]()
     for second in range(20):
         for source, off_deg in (("gps-ingest", 0.0), ("gps-ingest-2", 0.01)):
             lat_deg = ORIGIN.lat_deg + second * 1e-4 + off_deg
